@@ -221,4 +221,30 @@ bool CompletionInput::IsKnownEmpty(const Eigen::Vector3f& p_C) const {
   }
 }
 
+std::vector<int8_t> TurnedChannels(const std::vector<int8_t>& channels, int turn) {
+  constexpr int n = kInputCells;
+  const bool flip_x = (turn & 1) != 0, flip_y = (turn & 2) != 0, swaps = (turn & 4) != 0;
+  std::vector<int8_t> turned(channels.size());
+  int8_t* next = turned.data();
+  const int slices = static_cast<int>(channels.size()) / (n * n);  // of channel and z
+  for (int slice = 0; slice < slices; ++slice) {
+    const int8_t* from = channels.data() + static_cast<size_t>(slice) * n * n;
+    for (int y = 0; y < n; ++y) {
+      for (int x = 0; x < n; ++x) {
+        int column = swaps ? y : x, row = swaps ? x : y;
+        if (flip_x) column = n - 1 - column;
+        if (flip_y) row = n - 1 - row;
+        *next++ = from[row * n + column];
+      }
+    }
+  }
+  return turned;
+}
+
+void TurnPlace(int turn, float* place) {
+  if (turn & 1) place[0] = -place[0];
+  if (turn & 2) place[1] = -place[1];
+  if (turn & 4) std::swap(place[0], place[1]);
+}
+
 }  // namespace pickbed::perception

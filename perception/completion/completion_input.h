@@ -83,4 +83,13 @@ class CompletionInput {
   std::optional<FloorPlane> floor_;
 };
 
+// Number of rotations and reflections of the cube about the z axis. Turn t: bit 0 reflects x, bit 1
+// reflects y, then bit 2 swaps x and y. A turned view is a valid view too, of a turned part from a
+// turned camera.
+inline constexpr int kCubeTurns = 8;
+// Returns the channels of a turned cube.
+std::vector<int8_t> TurnedChannels(const std::vector<int8_t>& channels, int turn);
+// Turns a position in the cube, whose coordinates are -1 .. 1. `place` has three values.
+void TurnPlace(int turn, float* place);
+
 }  // namespace pickbed::perception

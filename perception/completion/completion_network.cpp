@@ -207,20 +207,37 @@ std::vector<float> CompletionNetwork::Probabilities(const CompletionBatch& batch
   return {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()};
 }
 
-std::vector<float> CompletionNetwork::Probabilities(
-    const CompletionInput& input, std::span<const Eigen::Vector3f> points_C) const {
+std::vector<float> CompletionNetwork::Probabilities(const CompletionInput& input,
+                                                    std::span<const Eigen::Vector3f> points_C,
+                                                    int turns) const {
+  // The first four are the view itself, half a turn about z, and two quarter turns.
+  constexpr int kOrder[kCubeTurns] = {0, 3, 5, 6, 1, 2, 4, 7};
   const torch::NoGradGuard no_gradients;
   Net& net = *impl_->net;
-  const at::Tensor features = net.Encode(ChannelTensor(input.Channels(), 1, impl_->device));
+  const std::vector<int8_t> own = input.Channels();
+  std::vector<int8_t> channels;
+  for (int i = 0; i < turns; ++i) {
+    const std::vector<int8_t> turned = TurnedChannels(own, kOrder[i]);
+    channels.insert(channels.end(), turned.begin(), turned.end());
+  }
+  const at::Tensor features = net.Encode(ChannelTensor(channels, turns, impl_->device));
   std::vector<float> probabilities, queries;
   probabilities.reserve(points_C.size());
   for (size_t first = 0; first < points_C.size(); first += kChunk) {
     const auto some = points_C.subspan(first, std::min<size_t>(kChunk, points_C.size() - first));
     queries.clear();
     for (const Eigen::Vector3f& p_C : some) AppendQuery(input, p_C, queries);
+    const size_t size = queries.size();
+    queries.resize(turns * size);
+    for (int i = 1; i < turns; ++i) {
+      float* copy = queries.data() + i * size;
+      std::copy_n(queries.data(), size, copy);
+      for (size_t k = 0; k < size; k += kQueryValues) TurnPlace(kOrder[i], copy + k);
+    }
     const at::Tensor tensor = FloatTensor(
-        queries.data(), {1, static_cast<int64_t>(some.size()), kQueryValues}, impl_->device);
-    const at::Tensor values = torch::sigmoid(net.Decode(features, tensor)).cpu().contiguous();
+        queries.data(), {turns, static_cast<int64_t>(some.size()), kQueryValues}, impl_->device);
+    const at::Tensor values =
+        torch::sigmoid(net.Decode(features, tensor)).mean(0).cpu().contiguous();
     const float* begin = values.data_ptr<float>();
     probabilities.insert(probabilities.end(), begin, begin + values.numel());
   }

@@ -60,9 +60,10 @@ class CompletionNetwork {
   // Returns the probability of each query of a batch; `inside` is not used.
   std::vector<float> Probabilities(const CompletionBatch& batch) const;
 
-  // Returns the probability that the part contains each point in C (m).
+  // Returns the probability that the part contains each point in C (m): the mean over `turns` (1 to
+  // kCubeTurns) turned copies of the view.
   std::vector<float> Probabilities(const CompletionInput& input,
-                                   std::span<const Eigen::Vector3f> points_C) const;
+                                   std::span<const Eigen::Vector3f> points_C, int turns = 1) const;
 
   // All weights, and the means and variances of the normalizations, in the order of the modules.
   std::vector<float> Weights() const;

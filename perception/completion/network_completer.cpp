@@ -12,7 +12,7 @@ CompletedVolume EmptyVolume(const CompletionCube& cube, int cells) {
 }
 
 CompletedVolume CompleteWithNetwork(const CompletionNetwork& network, const SegmentView& view,
-                                    int cells) {
+                                    int cells, int turns) {
   const CompletionInput input(view);
   CompletedVolume volume = EmptyVolume(input.cube(), cells);
   std::vector<Eigen::Vector3f> points_C;
@@ -27,7 +27,7 @@ CompletedVolume CompleteWithNetwork(const CompletionNetwork& network, const Segm
       }
     }
   }
-  const std::vector<float> probabilities = network.Probabilities(input, points_C);
+  const std::vector<float> probabilities = network.Probabilities(input, points_C, turns);
   for (size_t i = 0; i < indices.size(); ++i) volume.occupancy[indices[i]] = probabilities[i];
   return volume;
 }

@@ -11,8 +11,9 @@ namespace pickbed::perception {
 CompletedVolume EmptyVolume(const CompletionCube& cube, int cells);
 
 // Returns the probabilities at the centers of the cells. Cells that are known to be empty are 0 and
-// are not computed. Throws InputError as CompletionInput does.
+// are not computed. The result is the mean over `turns` turned copies of the view. Throws
+// InputError as CompletionInput does.
 CompletedVolume CompleteWithNetwork(const CompletionNetwork& network, const SegmentView& view,
-                                    int cells);
+                                    int cells, int turns = 1);
 
 }  // namespace pickbed::perception

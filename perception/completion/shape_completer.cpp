@@ -1,6 +1,7 @@
 #include "perception/completion/shape_completer.h"
 
 #include "perception/completion/completion_file.h"
+#include "perception/completion/completion_input.h"
 #include "perception/completion/nearest_shape.h"
 #include "perception/completion/network_completer.h"
 #include "perception/completion/rule_completers.h"
@@ -14,14 +15,16 @@ constexpr int kNearestShapeViews = 2000;
 class NetworkCompleter : public ShapeCompleter {
  public:
   explicit NetworkCompleter(const CompletionOptions& options)
-      : model_(LoadCompletionModel(CompletionModelFile(options.model))), cells_(options.cells) {}
+      : model_(LoadCompletionModel(CompletionModelFile(options.model))),
+        cells_(options.cells),
+        turns_(options.turns) {}
   CompletedVolume Complete(const SegmentView& view) override {
-    return CompleteWithNetwork(model_.network, view, cells_);
+    return CompleteWithNetwork(model_.network, view, cells_, turns_);
   }
 
  private:
   CompletionModel model_;
-  int cells_;
+  int cells_, turns_;
 };
 
 using Made = std::unique_ptr<ShapeCompleter>;
@@ -57,6 +60,8 @@ void CompletionOptions::Visit(SettingsVisitor& v) {
   v.Text("method", method, CompleterNames(), "method that completes the shape");
   v.Text("model", model, {}, "model file of method network, or a name in assets/models");
   v.Integer("cells", cells, {8, 256}, "cells along each axis of the completed cube");
+  v.Integer("turns", turns, {1, kCubeTurns},
+            "turned copies of the view whose probabilities method network averages");
   v.Real("skirt_m", skirt_m, {0.001, 0.2}, "depth of method skirt behind the seen surface, m");
 }
 

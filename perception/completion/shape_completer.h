@@ -17,6 +17,7 @@ struct CompletionOptions {
   std::string method = "network";    // a row of CompleterTable()
   std::string model = "completion";  // model file, or name of a file in assets/models
   int cells = 64;                    // along each axis of the cube
+  int turns = 3;                     // turned copies of the view that method network averages
   double skirt_m = 0.015;            // depth of the skirt behind the seen surface
   void Visit(SettingsVisitor& v);
 };

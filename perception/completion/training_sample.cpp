@@ -35,31 +35,12 @@ CompletionSample MakeSample(const ViewedSolid& solid, const RandomView& drawn, i
 }
 
 void AppendTurned(const CompletionSample& sample, int turn, CompletionBatch& batch) {
-  constexpr int n = kInputCells;
-  const bool flip_x = (turn & 1) != 0, flip_y = (turn & 2) != 0, swaps = (turn & 4) != 0;
-  const size_t start = batch.channels.size();
-  batch.channels.resize(start + sample.channels.size());
-  int8_t* next = batch.channels.data() + start;
-  const int rows = static_cast<int>(sample.channels.size()) / (n * n);  // channel and z
-  for (int slice = 0; slice < rows; ++slice) {
-    const int8_t* from = sample.channels.data() + static_cast<size_t>(slice) * n * n;
-    for (int y = 0; y < n; ++y) {
-      for (int x = 0; x < n; ++x) {
-        // Reflected first, then swapped.
-        int column = swaps ? y : x, row = swaps ? x : y;
-        if (flip_x) column = n - 1 - column;
-        if (flip_y) row = n - 1 - row;
-        *next++ = from[row * n + column];
-      }
-    }
-  }
+  const std::vector<int8_t> channels = TurnedChannels(sample.channels, turn);
+  batch.channels.insert(batch.channels.end(), channels.begin(), channels.end());
   const size_t first = batch.queries.size();
   batch.queries.insert(batch.queries.end(), sample.queries.begin(), sample.queries.end());
   for (size_t i = first; i < batch.queries.size(); i += kQueryValues) {
-    float* place = batch.queries.data() + i;
-    if (flip_x) place[0] = -place[0];
-    if (flip_y) place[1] = -place[1];
-    if (swaps) std::swap(place[0], place[1]);
+    TurnPlace(turn, batch.queries.data() + i);
   }
   batch.inside.insert(batch.inside.end(), sample.inside.begin(), sample.inside.end());
   batch.points = static_cast<int>(sample.inside.size());

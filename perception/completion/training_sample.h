@@ -24,11 +24,7 @@ struct CompletionSample {
 CompletionSample MakeSample(const ViewedSolid& solid, const RandomView& drawn, int points,
                             Rng& rng);
 
-// Number of rotations and reflections of the cube about the z axis.
-inline constexpr int kCubeTurns = 8;
-
-// Appends a sample to a batch, turned: bit 0 reflects x, bit 1 reflects y, bit 2 swaps x and y.
-// A turned sample is a valid view too, of a turned solid from a turned camera.
+// Appends a sample to a batch, turned (see completion_input.h).
 void AppendTurned(const CompletionSample& sample, int turn, CompletionBatch& batch);
 
 // Returns a solid that is sphere traced from a sampled shape.

@@ -10,6 +10,7 @@
 
 #include "eval/runtime/process.h"
 #include "perception/completion/network_completer.h"
+#include "perception/completion/shape_completer.h"
 #include "perception/completion/training_sample.h"
 #include "perception/features/neighbors.h"
 #include "perception/features/patch.h"
@@ -64,7 +65,8 @@ void Complete(benchmark::State& state) {
   const RandomView drawn = DrawView(*solid, {}, {}, rng);
   const CompletionNetwork network(CompletionNetworkOptions{}, 1);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(CompleteWithNetwork(network, drawn.view, 64));
+    benchmark::DoNotOptimize(
+        CompleteWithNetwork(network, drawn.view, 64, CompletionOptions().turns));
   }
 }
 BENCHMARK(Complete)->Name("completion/network/64")->Unit(benchmark::kMillisecond);

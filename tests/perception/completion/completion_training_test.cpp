@@ -116,6 +116,18 @@ TEST(CompletionNetwork, ABatchGivesTheSameAsOneView) {
   EXPECT_EQ(network.Probabilities(batch), network.Probabilities(input, points));
 }
 
+// A reflected view has the reflected completion when all turns are averaged.
+TEST(CompletionNetwork, TheMeanOverAllTurnsIsSymmetric) {
+  const CompletionNetwork network(TinyNetwork(), 2);
+  const CameraIntrinsics k(121, 121, 400, 400, 60, 60);
+  const CompletionInput input(SphereView(k, {0, 0, 0.6}, 0.04, 0.9f));
+  const std::vector<Eigen::Vector3f> points{{0.02f, 0.01f, 0.6f}, {-0.01f, 0.02f, 0.6f}};
+  const std::vector<float> all = network.Probabilities(input, points, kCubeTurns);
+  EXPECT_NEAR(all[0], all[1], 1e-3);
+  const std::vector<float> one = network.Probabilities(input, points, 1);
+  EXPECT_GT(std::abs(one[0] - one[1]), 2 * std::abs(all[0] - all[1]));
+}
+
 TEST(CompletionFile, KeepsWeightsToHalfPrecisionAndWritesTheSameBytesAgain) {
   CompletionNetwork network(TinyNetwork(), 3);
   CompletionModelInfo info;
