@@ -32,7 +32,7 @@ struct CompletedPlannerOptions {
   int max_shapes = 10;          // objects that are completed, from the highest one
   int smoothing = 2;            // passes of Smoothed()
   bool has_fallback = true;     // jaws also grasp the observed surface if grasps are missing
-  double min_score = 0.03;      // weaker grasps come after the ones on the observed surface
+  double min_score = 0.15;      // weaker grasps come after the ones on the observed surface
   double surface_level = 0.45;  // probability at the grasped surface
   double possible_level = 0.3;  // probability from which a hand keeps out
   double relaxed_level = 0.5;   // the same if no grasp is found otherwise
