@@ -118,7 +118,7 @@ std::optional<double> LowestPoint_m(const PlannerInput& input) {
 }  // namespace
 
 CompletedPlannerOptions::CompletedPlannerOptions() {
-  // A object is grasped once, so fewer candidates are sampled than for a known object.
+  // An object is grasped once, so fewer candidates are sampled than for a known object.
   AntipodalOptions& antipodal = candidates.antipodal;
   antipodal.candidates = 600;
   antipodal.resting_candidates = 300;
@@ -213,7 +213,7 @@ bool CompletedPlanner::PassesPossibleMatter(const ObstacleField& possible, Grasp
   const Gripper& tool = *std::find_if(setup_.tools.begin(), setup_.tools.end(), [&](const auto& t) {
                            return t->name == grasp.tool;
                          })->get();
-  const std::vector<uint8_t> none(possible.points_W().size(), 0);
+  const std::vector<uint8_t> none{0};  // its points are one group
   for (int step = 0; step <= options_.max_wider; ++step) {
     const double width_m = grasp.width_m + step * options_.wider_m;
     const std::optional<double> opening_m = tool.ApproachOpening_m(width_m);
@@ -261,8 +261,8 @@ PlanResult CompletedPlanner::PlanOn(const std::vector<Completed>& completed,
     for (const Completed& object : completed) {
       points_B.insert(points_B.end(), (object.*shell).begin(), (object.*shell).end());
     }
-    std::vector<int> sources(points_B.size(), -1);
-    const ObstacleField possible(std::move(points_B), std::move(sources), plan_options.column_m);
+    std::vector<int> groups(points_B.size(), 0);
+    const ObstacleField possible(std::move(points_B), std::move(groups), plan_options.column_m);
     std::vector<Grasp> passed;
     for (Grasp grasp : plan.grasps) {
       if (PassesPossibleMatter(possible, grasp)) passed.push_back(grasp);

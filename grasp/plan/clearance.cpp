@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <stdexcept>
 
 #include "grasp/place/boxes_apart.h"
 
@@ -106,6 +107,10 @@ std::vector<Vector3d> ThinnedCloud(std::span<const Vector3d> cloud_W, const Bin&
 
 ObstacleField::ObstacleField(std::vector<Vector3d> points_W, std::vector<int> groups, double cell_m)
     : corner_(Vector2d::Zero()), cell_m_(cell_m) {
+  if (groups.size() != points_W.size() ||
+      std::any_of(groups.begin(), groups.end(), [](int group) { return group < 0; })) {
+    throw std::logic_error("each obstacle point needs the number of its group, from 0");
+  }
   if (!points_W.empty()) {
     Vector2d low = points_W[0].head<2>(), high = low;
     for (const Vector3d& p : points_W) {

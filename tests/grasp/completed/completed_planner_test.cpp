@@ -105,7 +105,7 @@ TEST(CompletedPlanner, NoHandEntersOccupiedCells) {
   }
 }
 
-// A object whose side may go further than its probable surface.
+// An object whose side may go further than its probable surface.
 TEST(CompletedPlanner, TheHandKeepsOutOfPossibleMatter) {
   CloudScene scene;
   const Vector3d size(0.06, 0.025, 0.03);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 #include "scenes/base/random.h"
 #include "tests/grasp/grasp_scenes.h"
 
@@ -48,6 +50,12 @@ TEST(Clearance, BoxTestAgreesWithSampling) {
   }
   EXPECT_GT(intersecting, 30);
   EXPECT_LT(intersecting, 170);
+}
+
+TEST(ObstacleField, EachPointNeedsAGroup) {
+  EXPECT_THROW(ObstacleField({Vector3d::Zero()}, {-1}, 0.01), std::logic_error);
+  EXPECT_THROW(ObstacleField({Vector3d::Zero()}, {}, 0.01), std::logic_error);
+  EXPECT_NO_THROW(ObstacleField({Vector3d::Zero()}, {0}, 0.01));
 }
 
 TEST(Clearance, FingertipsKeepTheirClearanceFromTheFloor) {
