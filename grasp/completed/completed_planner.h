@@ -54,7 +54,8 @@ class CompletedPlanner : public Planner {
   explicit CompletedPlanner(const PlannerSetup& setup, const CompletedPlannerOptions& options = {});
 
   // Without a known bin, the lowest observed point is taken as the height of a table. Causes of
-  // rejection: as PlanWithTools(), and "possible matter". An image without objects gives no grasp.
+  // rejection: as PlanWithTools(), and "possible matter". Without objects, jaws grasp the observed
+  // surface if `has_fallback`, and other grippers have no grasp.
   PlanResult Plan(const PlannerInput& input) override;
 
  private:

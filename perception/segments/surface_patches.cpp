@@ -38,8 +38,8 @@ class PatchFinder {
  private:
   bool IsForeground(int pixel) const { return cloud_.foreground.data()[pixel] != 0; }
 
-  // Largest distance of one pixel from the tangent plane of the other; without normals, the object
-  // of the step along z that a surface at 60 degrees to the image would not have.
+  // Compares the distance of each pixel from the tangent plane of the other. Without normals, a
+  // surface at up to 60 degrees to the image counts as continuous.
   bool IsStep(int a, int b) const {
     const Vector3f &p = cloud_.points_C[a], &q = cloud_.points_C[b];
     const Vector3f &n = cloud_.normals_C[a], &m = cloud_.normals_C[b];
