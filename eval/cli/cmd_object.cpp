@@ -120,7 +120,8 @@ void Sample(const SampleArguments& arguments) {
   if (!arguments.domain.empty()) ShapeDomainFromName(arguments.domain);
   ProgressLine progress;
   for (int i = 0; i < arguments.count; ++i) {
-    const SampledShape shape = SampleShapeOf(what, arguments.split, arguments.seed + i);
+    const uint64_t seed = static_cast<uint64_t>(arguments.seed) + static_cast<uint64_t>(i);
+    const SampledShape shape = SampleShapeOf(what, arguments.split, seed);
     const std::string name = fmt::format(
         "{}_{}{}", shape.family->name,
         shape.split == ShapeSplit::kSeen ? "" : ShapeSplitName(shape.split) + "_", shape.seed);
