@@ -120,7 +120,8 @@ CameraIntrinsics FitIntrinsics(const Image<float>& depth_m, const Image<float>& 
 
 std::string DecompressLzf(const std::string& bytes, size_t size, const std::string& name) {
   std::string out;
-  out.reserve(size);
+  // `size` is from the file. Three bytes give at most 264, so a short block reserves little.
+  out.reserve(std::min(size, 88 * bytes.size()));
   const auto require = [&](bool ok) {
     CheckInput(ok, name + ": the compressed data is damaged; get the file again");
   };

@@ -35,7 +35,7 @@ struct SegmentationOptions {
 
 // Result of one method on one image.
 struct SegmentedImage {
-  std::string name;  // "trial 0", or the name of the file
+  std::string name;  // "trial_0000", or the name of the file without its extension
   SegmentScores scores;
   double seconds = 0;
 };

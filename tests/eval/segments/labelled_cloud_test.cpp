@@ -83,6 +83,9 @@ TEST(DecompressLzf, RepeatsAndCopies) {
   EXPECT_THAT(ErrorOf([&] { DecompressLzf(packed.substr(0, 5), 10, "test"); }),
               HasSubstr("damaged"));
   EXPECT_THAT(ErrorOf([] { DecompressLzf("\x20\x7f", 3, "test"); }), HasSubstr("damaged"));
+  // A false size must not reserve memory.
+  EXPECT_THAT(ErrorOf([&] { DecompressLzf(packed, size_t{1} << 60, "test"); }),
+              HasSubstr("damaged"));
 }
 
 TEST(ReadLabelledCloud, ReadsTheKinectCloudsOfTheSegmentationDatabase) {
