@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "perception/completion/byte_blocks.h"
@@ -32,6 +33,10 @@ CompletionModel Parse(std::string_view bytes, const std::string& name, const std
   const std::vector<float> statistics = reader.TakeAll<float>();
   std::vector<float> weights(halves.size());
   for (size_t i = 0; i < halves.size(); ++i) weights[i] = FromHalf(halves[i]);
+  const auto is_finite = [](float value) { return std::isfinite(value); };
+  CheckInput(std::all_of(weights.begin(), weights.end(), is_finite) &&
+                 std::all_of(statistics.begin(), statistics.end(), is_finite),
+             "a weight or a statistic is not finite");
   CompletionNetwork network(info.network, 0, device);
   network.SetWeights(weights, statistics);
   return {info, std::move(network)};
@@ -57,8 +62,12 @@ void SaveCompletionModel(const std::filesystem::path& file, const CompletionMode
   const std::string text = WriteSettings([&](SettingsVisitor& v) { copy.Visit(v); });
   std::vector<uint16_t> halves;
   for (const float weight : network.Weights()) {
-    CheckInput(std::isfinite(weight), file.string() + ": a weight is not finite; train again");
     halves.push_back(ToHalf(weight));
+    // A weight over 65504 is infinite as a 16-bit float.
+    CheckInput(std::isfinite(FromHalf(halves.back())),
+               fmt::format("{}: weight {} is no finite 16-bit float; train again with a smaller "
+                           "learning_rate",
+                           file.string(), weight));
   }
   BlockWriter writer;
   writer.Put(text);

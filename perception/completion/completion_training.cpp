@@ -90,6 +90,14 @@ CompletionQuality QualityOn(const HeldOutViews& views, const CompletionNetwork& 
   return quality;
 }
 
+// Reads a block with one value.
+template <typename Value>
+Value OneOf(BlockReader& reader) {
+  const std::vector<Value> values = reader.TakeAll<Value>();
+  CheckInput(values.size() == 1, "the file has another layout");
+  return values.front();
+}
+
 // One training, from views to model file.
 class CompletionTrainer {
  public:
@@ -349,8 +357,8 @@ CompletionCheckpoint ReadCompletionCheckpoint(const std::filesystem::path& file,
   try {
     BlockReader reader(bytes, kCheckpointMagic, kCheckpointVersion, "a completion checkpoint");
     checkpoint.key = reader.Take();
-    std::memcpy(&checkpoint.step, reader.Take().data(), sizeof checkpoint.step);
-    std::memcpy(&checkpoint.seconds, reader.Take().data(), sizeof checkpoint.seconds);
+    checkpoint.step = OneOf<int>(reader);
+    checkpoint.seconds = OneOf<double>(reader);
     checkpoint.loss_history = reader.TakeAll<double>();
     checkpoint.measurements = reader.TakeAll<CompletionMeasurement>();
     checkpoint.training_state = reader.Take();

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "perception/completion/byte_blocks.h"
 #include "perception/completion/completion_file.h"
 #include "perception/completion/completion_network.h"
@@ -144,6 +146,21 @@ TEST(CompletionFile, KeepsWeightsToHalfPrecisionAndWritesTheSameBytesAgain) {
   }
   SaveCompletionModel(TestFile("b.net"), read.info, read.network);
   EXPECT_EQ(ReadFileBytes(TestFile("a.net")), ReadFileBytes(TestFile("b.net")));
+}
+
+TEST(CompletionFile, RefusesWeightsBeyondHalfPrecision) {
+  CompletionNetwork network(TinyNetwork(), 3);
+  std::vector<float> weights = network.Weights();
+  weights.back() = 7e4f;
+  network.SetWeights(weights, network.Statistics());
+  const CompletionModelInfo info{TinyNetwork(), {}, {}, {}, 0, -1, -1, ""};
+  EXPECT_THROW(SaveCompletionModel(TestFile("large.net"), info, network), InputError);
+  std::vector<float> statistics = network.Statistics();
+  statistics.front() = NAN;
+  weights.back() = 1;
+  network.SetWeights(weights, statistics);
+  SaveCompletionModel(TestFile("nan.net"), info, network);
+  EXPECT_THROW(LoadCompletionModel(TestFile("nan.net")), InputError);
 }
 
 TEST(CompletionFile, RefusesMissingDamagedAndNewerFilesInOneLine) {
