@@ -1,10 +1,14 @@
 #include "eval/completion/benchmark.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "eval/completion/sensors.h"
 #include "eval/completion/test_shapes.h"
+#include "scenes/base/error.h"
 #include "scenes/base/random.h"
 
 namespace pickbed::eval {
@@ -48,11 +52,24 @@ ShapeMean MeanOf(const std::vector<double>& values) {
   return result;
 }
 
+// A name given twice would count its shapes twice.
+void RequireDifferent(std::vector<std::string> names, const char* what) {
+  std::sort(names.begin(), names.end());
+  const auto twice = std::adjacent_find(names.begin(), names.end());
+  CheckInput(twice == names.end(), fmt::format("{} '{}' is given twice; give it once", what,
+                                               twice == names.end() ? "" : *twice));
+}
+
 }  // namespace
 
 CompletionBenchmark RunCompletionBenchmark(
     const CompletionBenchmarkOptions& options,
     const std::function<bool(int done, int total)>& on_progress) {
+  RequireDifferent(options.methods, "method");
+  RequireDifferent(options.sets, "set");
+  CheckInput(options.data_folder.empty() || std::filesystem::is_directory(options.data_folder),
+             fmt::format("{}: no such folder; give a folder with the folders ycb and industrial",
+                         options.data_folder.string()));
   CompletionBenchmark benchmark;
   benchmark.methods = options.methods;
   std::vector<std::unique_ptr<ShapeCompleter>> completers;
@@ -70,6 +87,8 @@ CompletionBenchmark RunCompletionBenchmark(
     (some.empty() ? benchmark.skipped_sets : benchmark.sets).push_back(set);
     shapes.insert(shapes.end(), some.begin(), some.end());
   }
+  CheckInput(!shapes.empty(), fmt::format("no test shapes in {}; give --data with their meshes",
+                                          fmt::join(options.sets, ", ")));
   const int total = static_cast<int>(shapes.size());
   for (int i = 0; i < total; ++i) {
     if (!on_progress(i, total)) return benchmark;

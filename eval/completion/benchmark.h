@@ -47,7 +47,8 @@ struct CompletionBenchmark {
 };
 
 // Runs the benchmark. `on_progress` gets the number of shapes done and of all; false stops it.
-// Throws InputError for unknown names and for a model that cannot be read.
+// Throws InputError for unknown and repeated names, without any test shape, and for a model or a
+// data folder that cannot be read.
 CompletionBenchmark RunCompletionBenchmark(
     const CompletionBenchmarkOptions& options,
     const std::function<bool(int done, int total)>& on_progress);

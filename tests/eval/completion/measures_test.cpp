@@ -144,6 +144,29 @@ TEST(CompletionBenchmark, TablesHaveEachMethodAndDoNotDependOnTheRun) {
   EXPECT_EQ(first, files_of("b"));
 }
 
+TEST(CompletionBenchmark, RefusesRepeatedNamesMissingFoldersAndNoShapes) {
+  const auto run = [](const CompletionBenchmarkOptions& options) {
+    RunCompletionBenchmark(options, [](int, int) { return false; });
+  };
+  CompletionBenchmarkOptions options;
+  options.methods = {"skirt"};
+  options.sets = {"unseen_families"};
+  options.shapes = 1;
+  EXPECT_NO_THROW(run(options));
+  CompletionBenchmarkOptions wrong = options;
+  wrong.methods = {"skirt", "mirror", "skirt"};
+  EXPECT_THROW(run(wrong), InputError);
+  wrong = options;
+  wrong.sets = {"unseen_families", "unseen_families"};
+  EXPECT_THROW(run(wrong), InputError);
+  wrong = options;
+  wrong.data_folder = "no/such/folder";
+  EXPECT_THROW(run(wrong), InputError);
+  wrong = options;
+  wrong.sets = {"ycb"};
+  EXPECT_THROW(run(wrong), InputError);
+}
+
 TEST(CompletionBenchmark, DifferenceOfAMethodToItselfIsZero) {
   CompletionBenchmark benchmark;
   for (int shape = 0; shape < 6; ++shape) {
