@@ -1,7 +1,11 @@
 #include "scenes/shape_families/solid_grid.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+
+#include "scenes/base/error.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -14,7 +18,8 @@ constexpr int kBisections = 14;       // 1e-4 of a cell
 constexpr float kNormalStep = 0.02f;  // cells
 // Grid planes are shifted by these shares of a cell, so that flat sides are not on them.
 const Vector3f kShift(2.37f, 2.41f, 2.43f);
-constexpr int kMargin = 5;  // points beyond the box along each axis, both sides together
+constexpr double kMaxPoints = 1e9;  // they have indices of 32 bits
+constexpr int kMargin = 5;          // points beyond the box along each axis, both sides together
 
 void FillBlock(const SolidShape& solid, const Vector3i& first, SolidGrid& grid) {
   const Vector3i last = (first + Vector3i::Constant(kBlockPoints)).cwiseMin(grid.size);
@@ -93,6 +98,11 @@ SolidGrid SampleGrid(const SolidShape& solid, float cell_m) {
   grid.cell_m = cell_m;
   grid.origin_O = solid.box_O().min() - cell_m * kShift;
   grid.size = (solid.box_O().sizes() / cell_m).array().ceil().cast<int>() + kMargin + 1;
+  const double points = grid.size.cast<double>().prod();
+  CheckInput(points <= kMaxPoints,
+             fmt::format("a grid of {:.3g} points is too large for a solid; give it a thicker "
+                         "min_wall_mm or use fewer cells",
+                         points));
   grid.inside.resize(grid.size.prod());
   for (int z = 0; z < grid.size.z(); z += kBlockPoints) {
     for (int y = 0; y < grid.size.y(); y += kBlockPoints) {

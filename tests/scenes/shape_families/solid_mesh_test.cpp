@@ -1,5 +1,6 @@
 #include "scenes/shape_families/solid_mesh.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "scenes/base/random.h"
@@ -169,6 +170,7 @@ TEST(SolidMesh, RefusesBadOptions) {
   EXPECT_EQ(ErrorOf([&] { MeshOfSolid(ball, {.tolerance_share = -1}); }),
             "tolerance_share: -1 is not within 0 to 0.1");
   EXPECT_EQ(ErrorOf([] { MeshOfSolid(SolidShape()); }), "an empty solid has no surface");
+  EXPECT_THAT(ErrorOf([&] { SampleGrid(ball, 1e-6f); }), testing::HasSubstr("too large"));
 }
 
 }  // namespace
