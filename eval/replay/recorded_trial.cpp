@@ -89,6 +89,10 @@ std::string ChangeOf(const std::string& was, const std::string& is) {
   if (key.starts_with("# part ")) return key.substr(2) + ": mesh or physical properties";
   if (key == "# bin") return "the mesh of the bin";
   if (key == "# model") return is.empty() ? "the model is missing" : "the model of the estimator";
+  if (key == "# completion") {
+    return is.empty() ? "the model of shape completion is missing"
+                      : "the model of shape completion";
+  }
   if (was.empty()) return fmt::format("'{}' is new", is);
   return is.empty() ? fmt::format("'{}' is gone", was) : fmt::format("was '{}', is '{}'", was, is);
 }

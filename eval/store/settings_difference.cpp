@@ -92,6 +92,7 @@ std::string HashedThing(const std::string& key) {
   if (key.starts_with("# model")) return "trained model";
   if (key.starts_with("# truth")) return "stages with ground truth";
   if (key.starts_with("# calibration")) return "calibration of the scores";
+  if (key.starts_with("# completion")) return "model of shape completion";
   if (key.starts_with("# program")) return "program of the estimator or planner";
   if (key.starts_with("# estimator")) return "program that answers for the estimator";
   if (key.starts_with("# planner")) return "program that answers for the planner";

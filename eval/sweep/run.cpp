@@ -12,7 +12,10 @@
 #include "grasp/grippers/table.h"
 #include "grasp/outcome.h"
 #include "grasp/plan/plan.h"
+#include "grasp/planners/table.h"
 #include "grasp/tolerance/tolerance_ranking.h"
+#include "perception/completion/completion_file.h"
+#include "perception/completion/shape_completer.h"
 #include "perception/estimators/estimator_training.h"
 #include "perception/estimators/pose_estimator.h"
 #include "perception/estimators/process.h"
@@ -83,6 +86,17 @@ std::string ProgramText(const ScenarioSpec& spec, const std::string& role,
   return text;
 }
 
+// Returns the hash of the model that completes the shapes for a planner; empty if it reads none.
+std::string CompletionText(const PlannerSpec& spec, const PlannerRow& planner) {
+  const CompletionOptions options;  // the default method is the only one with a model
+  const std::string method = planner.completion != nullptr ? planner.completion : spec.completion;
+  if (!planner.needs_shapes || method != options.method) return "";
+  const std::filesystem::path file = CompletionModelFile(options.model);
+  if (!std::filesystem::exists(file)) return "";  // the planner reports this with a remedy
+  const std::string bytes = ReadFileBytes(file);
+  return fmt::format("# completion {:016x}\n", HashBytes(bytes.data(), bytes.size()));
+}
+
 constexpr char kOwnGraspsText[] = "# grasps chosen by a caller\n";
 
 // Returns the trials in the results folder that captured an image.
@@ -113,7 +127,7 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
   for (ObjectSpec& object : same_for_all.objects) object.mesh.clear();
   std::string text = SettingsText(same_for_all);
   WithSettingsKey(spec, "estimator.name", [&] { RequireEstimator(spec.estimator.name); });
-  PlannerOf(spec, truth);
+  const PlannerRow& planner = PlannerOf(spec, truth);
   WithSettingsKey(spec, "refiner", [&] { RefinerNamed(spec.refiner); });
   WithSettingsKey(spec, "policy.ranking", [&] { RankingNamed(spec.policy.ranking); });
   WithSettingsKey(spec, "policy.success", [&] { DecidingRule(spec.policy.success); });
@@ -162,6 +176,7 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
   if (spec.planner.name.starts_with("process")) {
     text += ProgramText(spec, "planner", spec.planner);
   }
+  text += CompletionText(spec.planner, planner);
   text += ToleranceRankingText(spec);
   if (truth != OracleStages()) text += GroundTruthText(truth);
   return text;

@@ -44,6 +44,8 @@ TEST(SettingsDifferences, HashesAreNamedByWhatTheyDescribe) {
   };
   EXPECT_THAT(difference("# calibration 01\n", "# calibration 02\n"),
               ElementsAre("calibration of the scores has changed"));
+  EXPECT_THAT(difference("# completion 01\n", "# completion 02\n"),
+              ElementsAre("model of shape completion has changed"));
   EXPECT_THAT(difference("# program 01\n", "# program 02\n"),
               ElementsAre("program of the estimator or planner has changed"));
   EXPECT_THAT(difference("# planner 'mine' version '1'\n", "# planner 'mine' version '2'\n"),

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "eval/shapes/segment_shapes.h"
+#include "eval/sweep/run.h"
 #include "eval/trial/trial.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/support/error_of.h"
@@ -12,6 +13,7 @@ namespace pickbed::tests {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 TrialResult RunOnShapes(const std::string& planner, const std::string& completion) {
   ScenarioSpec spec = CubeScenario(2);
@@ -36,6 +38,21 @@ TEST(CompletedShapes, EqualSeedsGiveEqualGrasps) {
   for (size_t i = 0; i < a.attempts.size(); ++i) {
     EXPECT_EQ(a.attempts[i].hashes, b.attempts[i].hashes);
   }
+}
+
+// A run must not resume with another model.
+TEST(CompletedShapes, TheModelIsPartOfTheIdentityOfARun) {
+  ScenarioSpec spec = CubeScenario(2);
+  spec.planner.name = "completed";
+  const auto identity = [&](const std::string& completion) {
+    spec.planner.completion = completion;
+    return RunIdentity(spec, EasyCube());
+  };
+  EXPECT_THAT(identity("network"), HasSubstr("\n# completion "));
+  EXPECT_THAT(identity("skirt"), Not(HasSubstr("# completion ")));
+  EXPECT_THAT(identity(kTrueShapes), Not(HasSubstr("# completion ")));
+  spec.planner.name = "skirt";
+  EXPECT_THAT(identity("network"), Not(HasSubstr("# completion ")));
 }
 
 TEST(CompletedShapes, AnUnknownMethodIsNamedWithItsSetting) {
