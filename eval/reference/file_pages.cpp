@@ -26,6 +26,7 @@
 #include "eval/reference/markdown.h"
 #include "eval/reference/pages.h"
 #include "eval/replay/replay.h"
+#include "eval/segments/segmentation.h"
 #include "eval/store/results_store.h"
 #include "eval/store/store_columns.h"
 #include "eval/summary/clutter_json.h"
@@ -294,6 +295,11 @@ ResultPage ObjectsPage() {
                    "page with curves, and its pictures"),
              Csv(kCompletionCurvesFile, "one line per measurement and held-out split",
                  CompletionCurvesColumns())}},
+           {"pickbed segment",
+            "One results folder.",
+            {Plain("pictures/IMAGE.png", "overlays of the labels and of the segments"),
+             Csv(kSegmentScoresFile, "one line per method and image", SegmentScoresColumns()),
+             Csv(kSegmentsFile, "one line per method, image and instance", SegmentsColumns())}},
            {"pickbed replay",
             "Files of each stage of one trial.",
             {Plain("attempt_NN_{color,depth,ids,overlay,after}.png", "pictures"),
