@@ -332,9 +332,14 @@ void CompletionTrainingOptions::Visit(SettingsVisitor& v) {
 CompletionReport TrainCompletion(const CompletionJob& job,
                                  const CompletionTrainingOptions& options) {
   CheckSettings("CompletionTrainingOptions", options);
-  CheckInput(options.views.min_distance_m <= options.views.max_distance_m,
-             fmt::format("views.min_distance_m {} is above views.max_distance_m {}",
-                         options.views.min_distance_m, options.views.max_distance_m));
+  const auto require_order = [](const char* of, double low, double high) {
+    CheckInput(low <= high, fmt::format("views.min_{0} = {1} is above views.max_{0} = {2}; set "
+                                        "both in this order",
+                                        of, low, high));
+  };
+  require_order("distance_m", options.views.min_distance_m, options.views.max_distance_m);
+  require_order("diameter_px", options.views.min_diameter_px, options.views.max_diameter_px);
+  require_order("hidden", options.views.min_hidden, options.views.max_hidden);
   return CompletionTrainer(job, options).Run();
 }
 

@@ -24,7 +24,7 @@ segment_refuses_bad_input_in_one_line() {
 run_picks_on_true_shapes() {
   expect 0 "$pickbed" run small.yaml --trials 2 --set planner.name=completed \
     --set planner.completion=truth --pictures 0 --out picks
-  cut -d, -f1-20 picks/attempts.csv | grep -q . || fail "no attempts"
+  [ "$(wc -l <picks/attempts.csv)" -gt 2 ] || fail "not one attempt in each of two trials"
   expect 1 "$pickbed" run small.yaml --set planner.name=completed --set planner.completion=magic \
     --out bad
   grep -q "planner.completion" last.err || fail "the setting is not named"

@@ -232,6 +232,21 @@ TEST(CompletionTraining, AStoppedAndResumedTrainingGivesTheSameBytes) {
   EXPECT_EQ(ReadFileBytes(TestFile("whole.net")), ReadFileBytes(TestFile("stopped.net")));
 }
 
+TEST(CompletionTraining, RefusesReversedRangesOfTheViews) {
+  CompletionTrainingOptions distance = TinyTraining(), diameter = distance, hidden = distance;
+  distance.views.min_distance_m = 2;
+  diameter.views.min_diameter_px = 51;
+  hidden.views.min_hidden = 0.6;
+  for (const CompletionTrainingOptions& options : {distance, diameter, hidden}) {
+    try {
+      TrainCompletion(Job("reversed"), options);
+      ADD_FAILURE();
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("is above views.max_"));
+    }
+  }
+}
+
 TEST(CompletionTraining, RefusesACheckpointOfOtherSettings) {
   CompletionCheckpoint checkpoint;
   checkpoint.key = "other";

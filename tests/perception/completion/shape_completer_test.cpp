@@ -66,7 +66,7 @@ TEST(RuleCompleters, NothingIsBelowTheFloor) {
   EXPECT_EQ(volume.At({0.03f, -0.02f, 0.58f}), 1);
 }
 
-TEST(NearestShape, FindsASphereAmongViewsOfBalls) {
+TEST(NearestShape, CompletesASphereByCartonsAndCans) {
   NearestShape nearest({&FindShapeFamily("carton"), &FindShapeFamily("can")}, 40, 32);
   EXPECT_GT(SphereIou(nearest.Complete(UsualSphereView())), 0.3);
 }
