@@ -19,6 +19,7 @@ constexpr size_t kFieldBytes = 4;
 
 struct Header {
   std::vector<std::string> fields;
+  std::vector<std::string> types;  // by field: F, U or I
   int width = 0, height = 0;
   std::string data;  // binary or binary_compressed
   size_t end = 0;    // first byte of the data
@@ -36,6 +37,8 @@ Header ReadHeader(const std::string& bytes, const std::string& name) {
     line >> key;
     if (key == "FIELDS") {
       while (line >> word) header.fields.push_back(word);
+    } else if (key == "TYPE") {
+      while (line >> word) header.types.push_back(word);
     } else if (key == "SIZE" || key == "COUNT") {
       const std::string wanted = key == "SIZE" ? "4" : "1";
       while (line >> word) {
@@ -82,6 +85,16 @@ std::string FieldBytes(const std::string& bytes, const Header& header, const std
                 &bytes[header.end + i * kFieldBytes], kFieldBytes);
   }
   return by_field;
+}
+
+// Checks the type of a field. The same four bytes are another value as another type.
+void RequireType(const Header& header, const std::string& key, bool is_float,
+                 const std::string& name) {
+  for (size_t i = 0; i < std::min(header.fields.size(), header.types.size()); ++i) {
+    CheckInput(header.fields[i] != key || (header.types[i] == "F") == is_float,
+               fmt::format("{}: field {} has TYPE {}; write it with TYPE {}", name, key,
+                           header.types[i], is_float ? "F" : "U"));
+  }
 }
 
 // Line through value(index): slope and the index of value 0.
@@ -164,6 +177,8 @@ LabelledCloud ReadLabelledCloud(const std::filesystem::path& file) {
     std::memcpy(image.data(), values, points * kFieldBytes);
     return image;
   };
+  for (const char* key : {"x", "y", "z"}) RequireType(header, key, true, name);
+  RequireType(header, "label", false, name);
   LabelledCloud cloud;
   cloud.frame.depth_m = image_of("z");
   for (float& z : cloud.frame.depth_m.pixels()) {
