@@ -86,6 +86,7 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
   plan_options.ranking = scenario.policy.ranking;
   if (planner_row.needs_shapes) {
     const PlannerSpec& with = scenario.planner;
+    WithSettingsKey(scenario, "planner.segmentation", [&] { SegmenterNamed(with.segmentation); });
     const std::string completion =
         planner_row.completion != nullptr ? planner_row.completion : with.completion;
     shapes = WithSettingsKey(scenario, "planner.completion", [&] {

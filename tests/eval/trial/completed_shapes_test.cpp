@@ -57,6 +57,11 @@ TEST(CompletedShapes, TheModelIsPartOfTheIdentityOfARun) {
 
 TEST(CompletedShapes, AnUnknownMethodIsNamedWithItsSetting) {
   EXPECT_THAT(ErrorOf([] { RunOnShapes("completed", "magic"); }), HasSubstr("planner.completion"));
+  ScenarioSpec spec = CubeScenario(1);
+  spec.planner.name = "skirt";
+  spec.planner.segmentation = "magic";
+  EXPECT_THAT(ErrorOf([&] { TrialRunner(spec, EasyCube()).Run(BinIndex(0)); }),
+              HasSubstr("planner.segmentation"));
 }
 
 }  // namespace
