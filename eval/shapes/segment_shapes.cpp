@@ -134,7 +134,6 @@ std::vector<grasp::OccupancyShape> SegmentShapes::Shapes(const grasp::PlannerInp
              "planner.completion: truth needs the ground truth of the image, which only simulated "
              "trials have; choose another method");
   segments_ = perception::SegmentFrame(input.frame, BackgroundOf(input), options_);
-  completed_.clear();
   const Pose X_BW = input.bin ? input.bin->X_WB.inverse() : Pose::Identity();
   const Pose X_BC = X_BW * input.X_WC;
   std::vector<std::pair<double, int>> by_height;  // negative height, label
@@ -147,10 +146,8 @@ std::vector<grasp::OccupancyShape> SegmentShapes::Shapes(const grasp::PlannerInp
   std::vector<int> used_instances;
   for (const auto& [height, label] : by_height) {
     if (static_cast<int>(shapes.size()) >= max_shapes) break;
-    const std::optional<grasp::OccupancyShape> shape = ShapeOf(input, label, used_instances);
-    if (!shape) continue;
-    shapes.push_back(*shape);
-    completed_.push_back({label, *shape});
+    std::optional<grasp::OccupancyShape> shape = ShapeOf(input, label, used_instances);
+    if (shape) shapes.push_back(std::move(*shape));
   }
   return shapes;
 }

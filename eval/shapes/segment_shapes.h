@@ -26,12 +26,6 @@ struct TrueShapes {
   const Image<uint16_t>& ids;  // instance + 1, 0 = background
 };
 
-// A segment of an image with its completion, for pictures.
-struct CompletedSegment {
-  int label = 0;  // in the labels of the image
-  grasp::OccupancyShape shape;
-};
-
 class SegmentShapes : public grasp::ShapeSource {
  public:
   // - segmentation: a row of perception::SegmenterTable()
@@ -47,10 +41,6 @@ class SegmentShapes : public grasp::ShapeSource {
   std::vector<grasp::OccupancyShape> Shapes(const grasp::PlannerInput& input,
                                             int max_shapes) override;
 
-  // Segments and shapes of the last image.
-  const perception::ObjectSegments& segments() const { return segments_; }
-  const std::vector<CompletedSegment>& completed() const { return completed_; }
-
  private:
   std::optional<grasp::OccupancyShape> ShapeOf(const grasp::PlannerInput& input, int label,
                                                std::vector<int>& used_instances) const;
@@ -59,8 +49,7 @@ class SegmentShapes : public grasp::ShapeSource {
   const bool is_true_;
   std::unique_ptr<perception::ShapeCompleter> completer_;  // null for the truth
   const TrueShapes* truth_ = nullptr;
-  perception::ObjectSegments segments_;
-  std::vector<CompletedSegment> completed_;
+  perception::ObjectSegments segments_;  // of the last image
 };
 
 // Returns the view of one segment: the window of the image around it.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "scenes/base/error.h"
 
@@ -77,7 +78,7 @@ void AddBackground(const CameraIntrinsics& k, const FloorPlane& floor, float wal
 // Hides a share of the visible pixels behind a half plane or a disc, which is nearer.
 void Occlude(double hidden, Rng& rng, Image<float>& depth_m, Image<uint8_t>& ids) {
   const bool is_disc = rng.Uniform() < 0.5;
-  const double angle_rad = rng.Uniform(0, 2 * M_PI);
+  const double angle_rad = rng.Uniform(0, 2 * std::numbers::pi);
   const double aside = rng.Uniform(0.4, 1.2);
   const Eigen::Vector2d axis(std::cos(angle_rad), std::sin(angle_rad));
   const double half = 0.5 * (ids.width() - 1);
