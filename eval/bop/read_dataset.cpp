@@ -239,6 +239,7 @@ std::vector<TargetView> ReadViews(const ParsedJson& list, const JsonPlace& place
 
 std::string RotationFault(const Eigen::Matrix3d& R) {
   constexpr double kLargest = 0.05;
+  if (!R.allFinite()) return "is no rotation: a value is not finite";
   const double deviation = DeviationOf(R);
   if (deviation > kLargest)
     return fmt::format("is no rotation: R^T R differs from the identity by {:.2g}", deviation);

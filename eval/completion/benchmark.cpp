@@ -60,6 +60,15 @@ void RequireDifferent(std::vector<std::string> names, const char* what) {
                                                twice == names.end() ? "" : *twice));
 }
 
+RandomView DrawTestView(const TestShape& shape, const std::vector<DepthSensor>& sensors,
+                        const RandomViewOptions& options, Rng& rng) {
+  try {
+    return DrawView(*shape.solid, sensors, options, rng);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("shape {} of set {}: {}", shape.name, shape.set, error.what()));
+  }
+}
+
 }  // namespace
 
 CompletionBenchmark RunCompletionBenchmark(
@@ -101,7 +110,7 @@ CompletionBenchmark RunCompletionBenchmark(
       const bool is_occluded = view >= options.views;
       views.occluded_share = is_occluded ? 1 : 0;
       views.min_diameter_px = options.min_diameter_px;
-      const RandomView drawn = DrawView(*shape.solid, sensors, views, rng);
+      const RandomView drawn = DrawTestView(shape, sensors, views, rng);
       std::vector<CompletedVolume> completed;
       std::vector<double> seconds;
       for (const auto& completer : completers) {

@@ -119,7 +119,12 @@ std::optional<grasp::OccupancyShape> SegmentShapes::ShapeOf(
       ViewOf(input.frame, segments_.labels, segments_.segments[label - 1], label,
              FloorOf(BackgroundOf(input)));
   if (perception::SegmentPixels(view) < perception::kMinSegmentPixels) return std::nullopt;
-  perception::CompletedVolume volume = completer_->Complete(view);
+  perception::CompletedVolume volume;
+  try {
+    volume = completer_->Complete(view);
+  } catch (const InputError&) {
+    return std::nullopt;  // its readings have no extent; the other segments can be grasped
+  }
   grasp::OccupancyShape shape;
   shape.X_WV = input.X_WC * Translation(volume.origin_C.cast<double>());
   shape.cell_m = volume.cell_m;
