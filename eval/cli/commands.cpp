@@ -59,7 +59,8 @@ constexpr auto kCommands = std::to_array<CommandRow>({
 
 std::string Usage() {
   std::string text =
-      "pickbed: drops objects into a bin, captures an RGB-D image, estimates object poses, executes "
+      "pickbed: drops objects into a bin, captures an RGB-D image, estimates object poses, "
+      "executes "
       "grasps\nin physics, and reports how often picking works and which stage fails.\n\nUsage: "
       "pickbed COMMAND [OPTIONS]\n\nFirst commands:\n";
   for (size_t i = 0; i < kCommands.size(); ++i) {
