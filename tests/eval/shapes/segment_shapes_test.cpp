@@ -70,7 +70,8 @@ TEST(SegmentShapes, RefusesUnknownNamesAndTruthWithoutATrial) {
   EXPECT_THAT(ErrorOf([] { SegmentShapes("convexity", "magic"); }), HasSubstr("magic"));
   SegmentShapes shapes("convexity", kTrueShapes);
   SyntheticDepth depth(SmallCamera());
-  EXPECT_THAT(ErrorOf([&] { shapes.Shapes({depth.frame()}, 5); }), HasSubstr("truth"));
+  const PlannerInput input{depth.frame(), Pose::Identity(), std::nullopt};
+  EXPECT_THAT(ErrorOf([&] { shapes.Shapes(input, 5); }), HasSubstr("truth"));
 }
 
 }  // namespace
