@@ -25,9 +25,10 @@ constexpr double kGridStep_rad = Radians(5);
 constexpr double kSameAxis_rad = Radians(5);
 constexpr double kSnap_rad = Radians(1);  // an axis is set to a coordinate axis within this angle
 constexpr double kOutlierShare = 0.003;
-// Tolerance of products and exact forms of checked rotations, as a multiple of the tolerance.
-// Errors of the factors add up, and a thread shifts the centers of the half turns across its axis.
-constexpr double kGroupTolerance = 2;
+// Tolerances as a multiple of the tolerance. Of products of checked rotations: errors of the
+// factors add up. Of the exact form of a group: a rotation of a thread moves its flanks along the
+// axis.
+constexpr double kGroupTolerance = 2, kExactTolerance = 3;
 constexpr size_t kLargestGroup = 120;
 constexpr std::array kPrimes{2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59};
 // Test rotations in rad. No discrete symmetry of an order below 100 contains them.
@@ -59,7 +60,7 @@ class Finder {
   std::optional<Axis> Discrete(const Vector3d& direction, int highest_prime) const;
   std::vector<Pose> Group(const std::vector<Axis>& axes) const;
   Vector3d SnappedPoint(const Vector3d& point) const;
-  std::vector<Pose> ExactGroup(const std::vector<Axis>& axes, size_t rotations) const;
+  std::vector<Pose> ExactGroup(const std::vector<Pose>& group) const;
   SymmetrySet OfRevolution(const Axis& axis) const;
 
   MeshQuery query_;
@@ -260,37 +261,54 @@ Vector3d Finder::SnappedPoint(const Vector3d& point) const {
   return point.unaryExpr([&](double x) { return std::abs(x) < tolerance_m_ ? 0.0 : x; });
 }
 
-// Returns the group of `rotations` elements with exact fractions of a turn about one axis and exact
-// half turns across it, all about one center. Meshes with a thread or with rounded coordinates have
-// such a group only within the tolerance. Empty if the group is another one, or if the mesh does
-// not allow the exact rotations.
-std::vector<Pose> Finder::ExactGroup(const std::vector<Axis>& axes, size_t rotations) const {
-  const auto main = std::max_element(
-      axes.begin(), axes.end(), [](const Axis& a, const Axis& b) { return a.order < b.order; });
+// Returns the group with exact fractions of a turn about one axis and exact half turns across it,
+// all about one center, that is nearest to `group`. Meshes with a thread or with rounded
+// coordinates have such a group only within the tolerance. Empty if the group is another one, or if
+// the mesh does not allow the exact rotations.
+std::vector<Pose> Finder::ExactGroup(const std::vector<Pose>& group) const {
+  std::vector<Vector3d> axes;
+  for (const Pose& X_OO : group) axes.push_back(Eigen::AngleAxisd(X_OO.linear()).axis());
+  const auto shared = [&](const Vector3d& axis) {
+    return std::count_if(axes.begin(), axes.end(),
+                         [&](const Vector3d& other) { return SameDirection(axis, other); });
+  };
+  const auto main =
+      std::max_element(axes.begin(), axes.end(),
+                       [&](const Vector3d& a, const Vector3d& b) { return shared(a) < shared(b); });
   if (main == axes.end()) return {};
-  const Vector3d direction = SnappedDirection(main->direction);
-  Vector3d center = Vector3d::Zero(), across = Vector3d::Zero();
-  for (const Axis& axis : axes) {
-    center += axis.point / static_cast<double>(axes.size());
-    if (&axis != &*main && axis.order == 2 && across.isZero()) across = axis.direction;
-  }
-  center = SnappedPoint(center);
-  std::vector<Pose> group;
-  for (int i = 1; i < main->order; ++i) {
-    group.push_back(TurnAbout({direction, center}, 2 * pi * i / main->order));
-  }
-  if (!across.isZero()) {
-    across = SnappedDirection((across - direction * direction.dot(across)).normalized());
-    for (int i = 0; i < main->order; ++i) {
-      const Vector3d flip = TurnAbout({direction, Vector3d::Zero()}, pi * i / main->order) * across;
-      group.push_back(TurnAbout({flip, center}, pi));
+  const int order = static_cast<int>(shared(*main)) + 1;
+  Vector3d direction = Vector3d::Zero(), across = Vector3d::Zero();
+  // Least squares: the point nearest to all axes, and near the centroid along a single axis.
+  constexpr double kPull = 1e-6;
+  Matrix3d A = kPull * Matrix3d::Identity();
+  Vector3d b = kPull * centroid_;
+  for (size_t i = 0; i < group.size(); ++i) {
+    const Matrix3d off_axis = Matrix3d::Identity() - axes[i] * axes[i].transpose();
+    A += off_axis;
+    b += off_axis * PointOnAxis(group[i]);
+    if (SameDirection(*main, axes[i])) {
+      direction += axes[i].dot(*main) < 0 ? -axes[i] : axes[i];
+    } else if (across.isZero()) {
+      across = axes[i];
     }
   }
-  const bool holds =
-      group.size() == rotations && std::all_of(group.begin(), group.end(), [&](const Pose& X_OO) {
-        return Maps(X_OO, kGroupTolerance * tolerance_m_, 1);
-      });
-  return holds ? group : std::vector<Pose>();
+  direction = SnappedDirection(direction.normalized());
+  const Vector3d center = SnappedPoint(SolveSymmetric(A, b));
+  std::vector<Pose> exact;
+  for (int i = 1; i < order; ++i)
+    exact.push_back(TurnAbout({direction, center}, 2 * pi * i / order));
+  if (!across.isZero()) {
+    across = SnappedDirection((across - direction * direction.dot(across)).normalized());
+    for (int i = 0; i < order; ++i) {
+      const Vector3d flip = TurnAbout({direction, Vector3d::Zero()}, pi * i / order) * across;
+      exact.push_back(TurnAbout({flip, center}, pi));
+    }
+  }
+  const bool holds = exact.size() == group.size() &&
+                     std::all_of(exact.begin(), exact.end(), [&](const Pose& X_OO) {
+                       return Maps(X_OO, kExactTolerance * tolerance_m_, 1);
+                     });
+  return holds ? exact : std::vector<Pose>();
 }
 
 // Returns the symmetries of a body of revolution, which may also be symmetric under a half turn
@@ -339,7 +357,7 @@ SymmetrySet Finder::Find() {
     }
   }
   const std::vector<Pose> group = Group(axes);
-  const std::vector<Pose> exact = ExactGroup(axes, group.size());
+  const std::vector<Pose> exact = ExactGroup(group);
   return {exact.empty() ? group : exact, {}};
 }
 
