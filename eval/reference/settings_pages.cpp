@@ -86,17 +86,17 @@ std::vector<SettingsSource> NetworkSettings() {
 }
 
 SettingsPage ScenarioSettings() {
-  return {
-      "settings.md",
-      "Settings of a scenario",
-      {{"Scenario file",
-        "A scenario file is YAML. Every key has a default, except `objects`. `--set KEY=VALUE` "
-        "changes a key of any command that reads a scenario; the index of a list item is a "
-        "number, as in `--set objects.0.count=5`. `pickbed list settings` prints the same "
-        "keys. Other settings: [files of objects, bins, sensors, grippers and "
-        "sweeps](settings_files.md), [training](settings_training.md), [benchmark and tolerance "
-        "maps](settings_measurements.md), [grasps](settings_grasps.md).",
-        RowsOf(ScenarioSpec())}}};
+  return {"settings.md",
+          "Settings of a scenario",
+          {{"Scenario file",
+            "A scenario file is YAML. Every key has a default, except `objects`. `--set KEY=VALUE` "
+            "changes a key of any command that reads a scenario; the index of a list item is a "
+            "number, as in `--set objects.0.count=5`. `pickbed list settings` prints the same "
+            "keys. Other settings: [files of objects, bins, sensors, grippers and "
+            "sweeps](settings_files.md), [training](settings_training.md), [shape "
+            "completion](settings_completion.md), [benchmark and tolerance "
+            "maps](settings_measurements.md), [grasps](settings_grasps.md).",
+            RowsOf(ScenarioSpec())}}};
 }
 
 SettingsPage FileSettings() {
@@ -135,11 +135,16 @@ SettingsPage TrainingSettings() {
         "train kehl` and `doumanoglou` have the same keys and other defaults.",
         RowsOf(TrainingOptions())},
        {"Verifiers", "Settings of `pickbed train --verifier-for`.",
-        RowsOf(VerifierTrainingOptions())},
-       {"Shape completion", "Settings of `pickbed train completion --set`.",
-        RowsOf(CompletionTrainingOptions())}}};
+        RowsOf(VerifierTrainingOptions())}}};
   for (SettingsSource& source : NetworkSettings()) page.sources.push_back(std::move(source));
   return page;
+}
+
+SettingsPage CompletionSettings() {
+  return {"settings_completion.md",
+          "Settings of shape completion",
+          {{"Training of shape completion", "Settings of `pickbed train completion --set`.",
+            RowsOf(CompletionTrainingOptions())}}};
 }
 
 SettingsPage MeasurementSettings() {
@@ -199,8 +204,8 @@ std::string TablesOf(const SettingsSource& source) {
 }  // namespace
 
 std::vector<SettingsPage> AllSettings() {
-  return {ScenarioSettings(), FileSettings(), TrainingSettings(), MeasurementSettings(),
-          GraspSettings()};
+  return {ScenarioSettings(),   FileSettings(),        TrainingSettings(),
+          CompletionSettings(), MeasurementSettings(), GraspSettings()};
 }
 
 void AddSettingsPages(Pages& pages) {

@@ -17,6 +17,7 @@
 #include "eval/tolerance/samples.h"
 #include "grasp/candidates/candidates.h"
 #include "grasp/grippers/table.h"
+#include "perception/completion/completion_training.h"
 #include "perception/training/training.h"
 #include "perception/training/verifier_training.h"
 #include "scenes/base/files.h"
@@ -134,6 +135,7 @@ TEST(ReferencePages, HaveEveryKeyOfTrainingAndMeasurements) {
   ExpectKeysOf("settings_training.md", TrainingOptions());
   ExpectKeysOf("settings_training.md", VerifierTrainingOptions());
   ExpectRow("settings_training.md", "wohlhart.network.anchors");
+  ExpectKeysOf("settings_completion.md", CompletionTrainingOptions());
   ExpectKeysOf("settings_measurements.md", CropBenchmarkOptions());
   ExpectKeysOf("settings_measurements.md", ToleranceOptions());
   ExpectKeysOf("settings_grasps.md", GraspCandidateOptions());
