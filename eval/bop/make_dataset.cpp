@@ -70,7 +70,7 @@ class SceneMaker {
     Camera camera = cell_.camera();
     if (view > 0) {
       Rng rng = Rng::Derive(spec_.seed, bin_index, fmt::format("bop/view/{}", view));
-      camera = RandomView(spec_, {}, rng);
+      camera = RandomCamera(spec_, {}, rng);
     }
     const RenderedImage image = cell_.Render(renderer_, scene, camera, bin_index, view);
     Rng rng = Rng::Derive(spec_.seed, bin_index, fmt::format("bop/sensor/{}", view));
@@ -116,7 +116,7 @@ std::vector<int> ScenesBefore(const MakeDatasetOptions& options, const std::stri
 
 }  // namespace
 
-Camera RandomView(const ScenarioSpec& spec, const ViewSpread& spread, Rng& rng) {
+Camera RandomCamera(const ScenarioSpec& spec, const ViewSpread& spread, Rng& rng) {
   using Eigen::AngleAxisd;
   constexpr int kMaxSamples = 100;
   const Camera nominal = CameraOf(spec);

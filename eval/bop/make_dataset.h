@@ -39,7 +39,7 @@ struct ViewSpread {
 // Samples a view: rotates the scenario's camera by any angle about the vertical through its target,
 // then varies distance, tilt, roll and target within `spread`. Returns the scenario's camera if 100
 // samples are all too low.
-Camera RandomView(const ScenarioSpec& spec, const ViewSpread& spread, Rng& rng);
+Camera RandomCamera(const ScenarioSpec& spec, const ViewSpread& spread, Rng& rng);
 
 struct MakeDatasetReport {
   int done = 0;         // requested scenes that are on disk
