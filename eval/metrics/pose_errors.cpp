@@ -69,7 +69,10 @@ double Adi(const MetricModel& model, const Pose& X_est, const Pose& X_true) {
   std::vector<Eigen::Vector3d> moved_O;
   moved_O.reserve(model.vertices_O.size());
   for (const Eigen::Vector3d& v : model.vertices_O) moved_O.push_back(X_est_true * v);
-  const std::vector<double> distances_m = model.vertex_tree_O.NearestDistances_m(moved_O);
+  const VertexTree& known = model.vertex_tree_O;
+  const std::vector<double> distances_m =
+      known.empty() ? VertexTree(model.vertices_O).NearestDistances_m(moved_O)
+                    : known.NearestDistances_m(moved_O);
   const double sum = std::accumulate(distances_m.begin(), distances_m.end(), 0.0);
   return sum / static_cast<double>(model.vertices_O.size());
 }

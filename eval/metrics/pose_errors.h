@@ -20,7 +20,7 @@ namespace pickbed::eval {
 struct MetricModel {
   // Vertices of the mesh, possibly reduced.
   std::vector<Eigen::Vector3d> vertices_O;
-  VertexTree vertex_tree_O;        // of the same vertices, for ADI
+  VertexTree vertex_tree_O;        // of the same vertices, for ADI; empty = made when needed
   std::vector<Pose> symmetries_O;  // all symmetry transforms, identity first
   double diameter_m = 0;
 };

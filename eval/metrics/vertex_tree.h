@@ -17,7 +17,8 @@ class VertexTree {
   // Takes at least one point, m.
   explicit VertexTree(const std::vector<Eigen::Vector3d>& points);
 
-  // Returns the distance from each query to its nearest point, m. The tree must have points.
+  bool empty() const { return impl_ == nullptr; }
+  // Returns the distance from each query to its nearest point, m. The tree must not be empty.
   std::vector<double> NearestDistances_m(const std::vector<Eigen::Vector3d>& queries) const;
 
  private:

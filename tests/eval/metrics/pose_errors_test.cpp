@@ -24,7 +24,6 @@ MetricModel BoxModel(const Eigen::Vector3d& half) {
     model.vertices_O.emplace_back((i & 1 ? 1 : -1) * half.x(), (i & 2 ? 1 : -1) * half.y(),
                                   (i & 4 ? 1 : -1) * half.z());
   }
-  model.vertex_tree_O = VertexTree(model.vertices_O);
   model.symmetries_O = {Pose::Identity()};
   model.diameter_m = 2 * half.norm();
   return model;
@@ -114,7 +113,6 @@ TEST(Metrics, AdiEqualsBruteForce) {
   MetricModel model = BoxModel({0.03, 0.02, 0.01});
   Rng rng(3);
   for (int i = 0; i < 300; ++i) model.vertices_O.push_back(0.03 * rng.UnitVector());
-  model.vertex_tree_O = VertexTree(model.vertices_O);
   for (int i = 0; i < 5; ++i) {
     const Pose X_est = RandomPose(rng), X_true = RandomPose(rng);
     double sum = 0;
