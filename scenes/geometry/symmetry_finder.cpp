@@ -25,9 +25,9 @@ constexpr double kGridStep_rad = Radians(5);
 constexpr double kSameAxis_rad = Radians(5);
 constexpr double kSnap_rad = Radians(1);  // an axis is set to a coordinate axis within this angle
 constexpr double kOutlierShare = 0.003;
-// Tolerances as a multiple of the tolerance. Of products of checked rotations: errors of the
-// factors add up. Of the exact form of a group: a rotation of a thread moves its flanks along the
-// axis.
+// Tolerances as a multiple of the tolerance. The first is for products of checked rotations,
+// because errors of the factors add up. The second is for the exact form of a group, because a
+// rotation of a thread moves its flanks along the axis.
 constexpr double kGroupTolerance = 2, kExactTolerance = 3;
 constexpr size_t kLargestGroup = 120;
 constexpr std::array kPrimes{2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59};
