@@ -140,27 +140,29 @@ DatasetScores EvaluateDataset(const fs::path& root, const std::string& split,
   }
   scores.seconds_an_image = MeanTime(estimates);
   size_t rotations = 0, corrected = 0;
-  for (const auto& [scene_id, images] : targets.scenes) {
-    const fs::path scene_folder = root / split / SceneFolderName(scene_id);
-    if (on_scene) on_scene(scene_folder.string());
-    const SceneTruth scene = ReadSceneTruth(scene_folder, scene_id, ThrowFault, options.sensor);
-    for (const auto& [image_id, image] : scene.images) {
-      rotations += image.instances.size();
-      corrected += std::ranges::count_if(image.instances, &DatasetInstance::is_corrected);
+  SceneTruth scene;
+  fs::path scene_folder;
+  for (const auto& [scene_id, image_id] : targets.order) {
+    if (const fs::path folder = root / split / SceneFolderName(scene_id); folder != scene_folder) {
+      scene_folder = folder;
+      if (on_scene) on_scene(scene_folder.string());
+      scene = ReadSceneTruth(scene_folder, scene_id, ThrowFault, options.sensor);
+      for (const auto& [id, image] : scene.images) {
+        rotations += image.instances.size();
+        corrected += std::ranges::count_if(image.instances, &DatasetInstance::is_corrected);
+      }
+      for (const std::string& row : scene.unusable) {
+        scores.notes.push_back(row + "; the instance is left out");
+      }
     }
-    for (const std::string& row : scene.unusable) {
-      scores.notes.push_back(row + "; the instance is left out");
-    }
-    for (const auto& [image_id, image_targets] : images) {
-      const auto truth = scene.images.find(image_id);
-      CheckInput(truth != scene.images.end(),
-                 fmt::format("{}: has no image {}, which is a target",
-                             (scene_folder / kSceneCameraFile).string(), image_id));
-      auto found = by_image.extract({scene_id, image_id});
-      const RgbdFrame frame = ReadDepthFrame(scene, truth->second);
-      evaluator.AddImage(TruthOf(truth->second, frame), image_targets,
-                         found ? std::move(found.mapped()) : std::vector<const DatasetEstimate*>());
-    }
+    const auto truth = scene.images.find(image_id);
+    CheckInput(truth != scene.images.end(),
+               fmt::format("{}: has no image {}, which is a target",
+                           (scene_folder / kSceneCameraFile).string(), image_id));
+    auto found = by_image.extract({scene_id, image_id});
+    const RgbdFrame frame = ReadDepthFrame(scene, truth->second);
+    evaluator.AddImage(TruthOf(truth->second, frame), targets.scenes.at(scene_id).at(image_id),
+                       found ? std::move(found.mapped()) : std::vector<const DatasetEstimate*>());
   }
   if (corrected > 0) {
     scores.notes.push_back(fmt::format(

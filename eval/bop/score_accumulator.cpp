@@ -77,9 +77,13 @@ class ObjectModels {
     return models_.emplace(object_id, std::move(entry)).first->second;
   }
 
+  // The BOP toolkit renders pixel i at i + 0.5, but computes its distance from the camera with i.
+  // VSD follows it, because near a threshold the scores depend on it.
   DistanceCrop Draw(int object_id, const Pose& X_CO, const CameraIntrinsics& camera) {
     const RenderInstance instance{Of(object_id).mesh, X_CO, 1};
-    const RenderedImage image = renderer_.RenderDepth({camera, Pose::Identity()}, {&instance, 1});
+    const CameraIntrinsics rendered(camera.width(), camera.height(), camera.fx(), camera.fy(),
+                                    camera.cx() - 0.5, camera.cy() - 0.5);
+    const RenderedImage image = renderer_.RenderDepth({rendered, Pose::Identity()}, {&instance, 1});
     return DistanceCropOf(image.depth_m, camera);
   }
 

@@ -32,6 +32,29 @@ std::optional<int> ImageOf(const DatasetTarget& target, const std::string& senso
   return target.views.empty() || sensor.empty() ? std::optional(target.image_id) : std::nullopt;
 }
 
+// Puts the images in the order in which they are `listed`; the others follow by number.
+std::vector<ListedImage> Ordered(const SplitTargets& targets,
+                                 const std::vector<ListedImage>& listed) {
+  std::vector<int> scenes;
+  std::map<int, std::vector<ListedImage>> images;
+  std::set<std::pair<int, int>> known;
+  const auto add = [&](const ListedImage& image) {
+    if (!known.insert({image.scene_id, image.image_id}).second) return;
+    std::vector<ListedImage>& of_scene = images[image.scene_id];
+    if (of_scene.empty()) scenes.push_back(image.scene_id);
+    of_scene.push_back(image);
+  };
+  for (const ListedImage& image : listed) add(image);
+  for (const auto& [scene_id, of_scene] : targets.scenes) {
+    for (const auto& [image_id, image] : of_scene) add({scene_id, image_id});
+  }
+  std::vector<ListedImage> order;
+  for (const int scene_id : scenes) {
+    order.insert(order.end(), images[scene_id].begin(), images[scene_id].end());
+  }
+  return order;
+}
+
 }  // namespace
 
 SplitTargets TargetsOf(const fs::path& root, const std::string& split, const std::string& sensor) {
@@ -39,6 +62,7 @@ SplitTargets TargetsOf(const fs::path& root, const std::string& split, const std
   CheckInput(!scenes.empty(),
              fmt::format("{}: has no scene folder such as 000001", (root / split).string()));
   SplitTargets targets;
+  std::vector<ListedImage> listed;
   const fs::path file19 = root / TargetsFileName(split, 19);
   const fs::path file24 = root / TargetsFileName(split, 24);
   const fs::path multi_view = root / MultiViewTargetsFileName(split);
@@ -60,10 +84,15 @@ SplitTargets TargetsOf(const fs::path& root, const std::string& split, const std
   if (has24 || has_views) {
     for (const DatasetTarget& target : ReadTargets(has24 ? file24 : multi_view, ThrowFault)) {
       const std::optional<int> image_id = ImageOf(target, sensor);
-      if (image_id) targets.scenes[target.scene_id][*image_id].detected = true;
+      if (!image_id) continue;
+      targets.scenes[target.scene_id][*image_id].detected = true;
+      listed.push_back({target.scene_id, *image_id});
     }
   }
-  if (has19 && (has24 || has_views) && without_object.empty()) return targets;
+  if (has19 && (has24 || has_views) && without_object.empty()) {
+    targets.order = Ordered(targets, listed);
+    return targets;
+  }
   for (const int scene_id : scenes) {
     const SceneTruth scene =
         ReadSceneTruth(root / split / SceneFolderName(scene_id), scene_id, ThrowFault, sensor);
@@ -75,6 +104,7 @@ SplitTargets TargetsOf(const fs::path& root, const std::string& split, const std
       if (!has24 && !has_views) image_targets.detected = true;
     }
   }
+  targets.order = Ordered(targets, listed);
   if (!has19) {
     targets.notes.push_back(fmt::format(
         "no {}: every instance of at least 10 % visible is a target", file19.filename().string()));

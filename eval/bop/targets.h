@@ -17,9 +17,18 @@ struct ImageTargets {
   std::map<int, int> counts;  // BOP19: obj_id -> number of instances to be found
 };
 
+// An image that the targets files list.
+struct ListedImage {
+  int scene_id = 0, image_id = 0;
+  bool operator==(const ListedImage&) const = default;
+};
+
 struct SplitTargets {
   std::map<int, std::map<int, ImageTargets>> scenes;  // scene -> image
-  std::vector<std::string> notes;                     // what replaces targets files that are absent
+  // All images in the order of the detection targets: scenes by their first target, then the images
+  // of each scene. Estimates with equal scores are ranked in this order, as in the BOP toolkit.
+  std::vector<ListedImage> order;
+  std::vector<std::string> notes;  // what replaces targets files that are absent
 };
 
 // Reads the targets from SPLIT_targets_bop19.json and _bop24.json. Without the first file, every

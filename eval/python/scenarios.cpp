@@ -151,7 +151,7 @@ void AddObjectModel(py::module_& module) {
           [](const ObjectModel& o, int steps) {
             return ArrayOf(SymmetryTransforms(o.symmetries_O, steps));
           },
-          py::arg("steps") = 314, Doc("SymmetryTransforms"))
+          py::arg("steps") = 315, Doc("SymmetryTransforms"))
       .def("__repr__", [](const ObjectModel& o) {
         return fmt::format("<ObjectModel {}: diameter {:.4f} m, mass {:.4f} kg>", o.name,
                            o.diameter_m, o.mass.mass_kg);

@@ -142,7 +142,7 @@ def render(model, K, pose, shape):
     for triangle in corners:
         if (triangle[:, 2] <= 0).any():
             continue
-        p = project(K, triangle)
+        p = project(K, triangle) - 0.5  # the toolkit's renderer samples the centers of pixels at (i + 0.5, j + 0.5)
         low = np.maximum(np.ceil(p.min(axis=0)), 0).astype(int)
         high = np.minimum(np.floor(p.max(axis=0)), [width - 1, height - 1]).astype(int)
         if (high < low).any():

@@ -60,6 +60,17 @@ class BopTargetsTest : public testing::Test {
 };
 TemporaryFolder* BopTargetsTest::made_ = nullptr;
 
+TEST_F(BopTargetsTest, ImagesHaveTheOrderOfTheDetectionTargets) {
+  Write("test_targets_bop24.json", R"([{"scene_id": 1, "im_id": 2}, {"scene_id": 1, "im_id": 0}])");
+  const SplitTargets targets = TargetsOf(root(), "test");
+  ASSERT_GE(targets.order.size(), 2);
+  EXPECT_EQ(targets.order[0], (ListedImage{1, 2}));
+  EXPECT_EQ(targets.order[1], (ListedImage{1, 0}));
+  size_t images = 0;
+  for (const auto& [scene_id, of_scene] : targets.scenes) images += of_scene.size();
+  EXPECT_EQ(targets.order.size(), images);
+}
+
 TEST_F(BopTargetsTest, ImagesListedWithoutObjectCountTheirVisibleInstances) {
   const SplitTargets listed = TargetsOf(root(), "test");
   Write("test_targets_bop19.json", R"([{"scene_id": 1, "im_id": 0}, {"scene_id": 1, "im_id": 2}])");
