@@ -268,16 +268,17 @@ std::vector<Candidate> CandidateRefiner::WithFeatures(const OrganizedCloud& clou
   ForRanges(static_cast<int>(poses.size()), threads_, [&](int begin, int end) {
     EvidenceScratch scratch;
     VoteDensity::Scratch density_scratch;
+    PoseSupportMeasure support;
     for (int i = begin; i < end; ++i) {
       const ObjectId object = poses[i].object;
       const Pose& X_CO = poses[i].X_CO;
       Candidate& candidate = candidates[i];
       candidate.hypothesis = {object, X_CO, poses[i].quick_score, {}};
       const DepthEvidence evidence =
-          evidence_[object](cloud, X_CO, scratch, options_.evidence_pixels);
+          evidence_[object](cloud, X_CO, scratch, options_.evidence_pixels, &support);
       candidate.evidence = evidence.log_ratio;
       candidate.features = ComputeVerifyFeatures(
-          cloud, models_[object], X_CO, evidence,
+          cloud, models_[object], X_CO, evidence, support.Finish(),
           per_patch * density.Around(X_CO, kNoPatch, density_scratch), candidate.hypothesis.fit);
     }
   });

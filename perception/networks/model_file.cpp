@@ -17,7 +17,7 @@ namespace pickbed::perception {
 namespace {
 
 // Increase it when the meaning of the file changes; older programs then reject the file.
-constexpr int64_t kModelVersion = 8;
+constexpr int64_t kModelVersion = 9;
 // Version 3 has no recall. Versions 3 and 4 have only one kind of network.
 constexpr int64_t kOldestVersion = 3;
 constexpr const char* kModelMagic = "pickbed descriptor model";
@@ -71,10 +71,11 @@ DescriptorModel ReadModelArchive(const std::string& bytes, const std::string& na
   network.SetWeights(weight_values);
   const uint64_t network_hash =
       HashBytes(weight_values.data(), weight_values.size() * sizeof(float));
-  constexpr int64_t kWithSurroundings = 6, kWithOutline = 7, kWithModes = 8;
+  constexpr int64_t kWithSurroundings = 6, kWithOutline = 7, kWithModes = 8, kWithSupport = 9;
   const VerifierLayout layout = version < kWithSurroundings ? kWithoutSurroundings
                                 : version < kWithOutline    ? kWithoutOutline
                                 : version < kWithModes      ? kOneCalibration
+                                : version < kWithSupport    ? kWithoutSupport
                                                             : VerifierLayout();
   std::vector<Verifier> verifiers = VerifiersFrom(verifier_values, info.objects.size(), layout);
   return {info, std::move(network), std::move(verifiers), network_hash, hash};

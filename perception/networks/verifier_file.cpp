@@ -15,8 +15,8 @@ namespace pickbed::perception {
 namespace {
 
 constexpr const char* kVerifierMagic = "pickbed verifiers";
-constexpr int64_t kOldest = 1, kWithOutline = 3, kWithModes = 4;
-constexpr int64_t kVersion = 4;  // increase it when the meaning of the file changes
+constexpr int64_t kOldest = 1, kWithOutline = 3, kWithModes = 4, kWithSupport = 5;
+constexpr int64_t kVersion = 5;  // increase it when the meaning of the file changes
 
 std::string ObjectsText(std::vector<ModelObject> objects) {
   return WriteSettings([&](SettingsVisitor& v) {
@@ -91,6 +91,7 @@ VerifierFile ReadVerifierArchive(const std::string& bytes, const std::string& na
   const VerifierLayout layout = version == kOldest       ? kWithoutSurroundings
                                 : version < kWithOutline ? kWithoutOutline
                                 : version < kWithModes   ? kOneCalibration
+                                : version < kWithSupport ? kWithoutSupport
                                                          : VerifierLayout();
   if (has_verifiers) {
     content.verifiers = VerifiersFrom(values, content.objects.size(), layout);

@@ -46,9 +46,9 @@ struct VerifierLayout {
   int calibrations = kCandidateModes;
 };
 // Layouts of older files: without the features for bin, floor and neighbours; without the outline
-// feature; without one calibration per mode.
+// feature; without one calibration per mode; without the support features.
 inline constexpr VerifierLayout kWithoutSurroundings{16, 1}, kWithoutOutline{19, 1},
-    kOneCalibration{20, 1};
+    kOneCalibration{20, 1}, kWithoutSupport{20, kCandidateModes};
 
 // Returns `count` verifiers of equal shape. Features beyond the layout get zero weight. Throws
 // InputError if the number of values does not fit.

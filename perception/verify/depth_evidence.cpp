@@ -60,19 +60,24 @@ Surface SurfaceAt(const RasterFace& face, int x, int y, float inverse, const Eig
 class OutlineCheck {
  public:
   OutlineCheck(const OrganizedCloud& cloud, const FaceRaster& drawn,
-               const DepthEvidenceOptions& options, float sigma_m, float depth_band_m)
+               const DepthEvidenceOptions& options, float sigma_m, float depth_band_m,
+               PoseSupportMeasure* support)
       : cloud_(cloud),
         drawn_(drawn),
         reach_px_(options.beyond_px),
         band_m_(static_cast<float>(options.continuing_sigmas) * sigma_m),
         depth_band_m_(depth_band_m),
-        min_cos_(static_cast<float>(options.continuing_min_cos)) {}
+        min_cos_(static_cast<float>(options.continuing_min_cos)),
+        support_(support) {}
 
   void operator()(int x, int y, const RasterFace& face, const Surface& at, DepthEvidence& e) const {
-    Beyond(x - reach_px_, y, face, at, e);
-    Beyond(x + reach_px_, y, face, at, e);
-    Beyond(x, y - reach_px_, face, at, e);
-    Beyond(x, y + reach_px_, face, at, e);
+    bool at_outline = false, seen = false;
+    for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+      const Sample sample = Beyond(x + reach_px_ * dx, y + reach_px_ * dy, face, at, e);
+      at_outline |= sample != Sample::kDrawn;
+      seen |= sample == Sample::kFarther;
+    }
+    if (support_ && at_outline) support_->AddOutline(PointAt(x, y, at.z_m), Across(x, y), seen);
   }
 
  private:
@@ -81,28 +86,57 @@ class OutlineCheck {
            drawn_.InverseDepths(y)[x] > 0;
   }
 
-  void Beyond(int x, int y, const RasterFace& face, const Surface& at, DepthEvidence& e) const {
-    if (IsDrawn(x, y)) return;
+  // Unit vector across the outline near a drawn pixel, outwards and parallel to the image: away
+  // from the mean of the drawn pixels around it.
+  Eigen::Vector3f Across(int x, int y) const {
+    int sum_x = 0, sum_y = 0;
+    for (int dy = -reach_px_; dy <= reach_px_; ++dy) {
+      for (int dx = -reach_px_; dx <= reach_px_; ++dx) {
+        if (!IsDrawn(x + dx, y + dy)) continue;
+        sum_x += dx;
+        sum_y += dy;
+      }
+    }
+    Eigen::Vector3f across_C(static_cast<float>(-sum_x), static_cast<float>(-sum_y), 0);
+    if (!across_C.isZero(0)) across_C.normalize();
+    return across_C;
+  }
+
+  Eigen::Vector3f PointAt(int x, int y, float z_m) const {
+    const CameraIntrinsics& k = cloud_.intrinsics;
+    return z_m * Eigen::Vector3f(static_cast<float>((drawn_.box().x + x - k.cx()) / k.fx()),
+                                 static_cast<float>((drawn_.box().y + y - k.cy()) / k.fy()), 1);
+  }
+
+  enum class Sample { kDrawn, kUnknown, kHidden, kContinuing, kFarther };
+  Sample Beyond(int x, int y, const RasterFace& face, const Surface& at, DepthEvidence& e) const {
+    if (IsDrawn(x, y)) return Sample::kDrawn;
     const int column = drawn_.box().x + x, row = drawn_.box().y + y;
     const CameraIntrinsics& k = cloud_.intrinsics;
-    if (column < 0 || row < 0 || column >= k.width() || row >= k.height()) return;
+    if (column < 0 || row < 0 || column >= k.width() || row >= k.height()) return Sample::kUnknown;
     const size_t pixel = static_cast<size_t>(k.width()) * row + column;
     const float seen_m = cloud_.depth_m.data()[pixel];
     const float inverse = face.at_origin[0] + static_cast<float>(x) * face.by_column[0] +
                           static_cast<float>(y) * face.by_row[0];
-    if (!(seen_m > 0) || !(inverse > 0)) return;
+    if (!(seen_m > 0) || !(inverse > 0)) return Sample::kUnknown;
+    if (support_) support_->AddOther(cloud_.points_C[pixel]);
     const float behind_m = seen_m - 1 / inverse;
-    if (behind_m < -depth_band_m_) return;  // hidden
+    if (behind_m < -depth_band_m_) return Sample::kHidden;
     ++e.beyond;
     const Eigen::Vector3f& normal_C = cloud_.normals_C[pixel];
-    e.continuing += std::abs(at.along_normal * behind_m) < band_m_ &&
-                    cloud_.foreground.data()[pixel] && normal_C.dot(at.normal_C) > min_cos_;
+    const bool near_plane = std::abs(at.along_normal * behind_m) < band_m_;
+    if (near_plane && cloud_.foreground.data()[pixel] && normal_C.dot(at.normal_C) > min_cos_) {
+      ++e.continuing;
+      return Sample::kContinuing;
+    }
+    return behind_m > depth_band_m_ ? Sample::kFarther : Sample::kUnknown;
   }
 
   const OrganizedCloud& cloud_;
   const FaceRaster& drawn_;
   int reach_px_;
   float band_m_, depth_band_m_, min_cos_;
+  PoseSupportMeasure* support_;
 };
 
 // Scales the counts by the stride to all pixels and computes log_ratio. `agreement` is the sum over
@@ -165,8 +199,8 @@ double DepthEvidenceOf::Agreement(double squared_sigmas) const {
 }
 
 DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pose& X_CO,
-                                          EvidenceScratch& scratch,
-                                          std::optional<int> max_pixels) const {
+                                          EvidenceScratch& scratch, std::optional<int> max_pixels,
+                                          PoseSupportMeasure* support) const {
   DepthEvidence e;
   const CameraIntrinsics& k = cloud.intrinsics;
   const ImageBox box = BoxOf(FootprintOf(bounds_O_, X_CO, k), k);
@@ -183,7 +217,11 @@ DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pos
   const double pixels = static_cast<double>(box.width) * box.height;
   const int stride =
       std::max(1, static_cast<int>(std::sqrt(pixels / max_pixels.value_or(options_.max_pixels))));
-  const OutlineCheck check_beyond(cloud, scratch, options_, sigma_m, depth_band_m);
+  const OutlineCheck check_beyond(cloud, scratch, options_, sigma_m, depth_band_m, support);
+  if (support) {
+    support->Begin((X_CO * bounds_O_.center()).cast<float>(), static_cast<float>(diameter_m_ / 2),
+                   2 * sigma_m);
+  }
   double agreement = 0;
   for (int y = stride / 2; y < box.height; y += stride) {
     const auto [begin, end] = scratch.Touched(y);
@@ -194,6 +232,7 @@ DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pos
     for (int x = begin + (stride / 2 + stride - begin % stride) % stride; x < end; x += stride) {
       if (!(inverse[x] > 0)) continue;
       ++e.covered;
+      if (support) support->AddCovered();
       const float seen_m = cloud.depth_m.data()[row + x];
       if (!(seen_m > 0)) continue;
       const Eigen::Vector3f ray(static_cast<float>((box.x + x - k.cx()) / k.fx()), ray_y, 1);
@@ -203,6 +242,7 @@ DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pos
       const float off_m = at.along_normal * behind_m;
       if (std::abs(off_m) >= band_m || std::abs(behind_m) >= depth_band_m) {
         ++(behind_m > 0 ? e.violated : e.hidden);
+        if (support && behind_m < 0) support->AddOther(seen_m * ray);
         continue;
       }
       if (!cloud.foreground.data()[row + x]) continue;
@@ -214,6 +254,7 @@ DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pos
       ++e.agreeing;
       const float sigmas = off_m / sigma_m;
       agreement += agreement_[static_cast<int>(sigmas * sigmas * per_step)];
+      if (support) support->AddAgreeing(at.z_m * ray, at.normal_C);
       check_beyond(x, y, face, at, e);
     }
   }

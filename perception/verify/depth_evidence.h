@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "perception/cloud/organized_cloud.h"
+#include "perception/verify/pose_support.h"
 #include "scenes/base/settings.h"
 #include "scenes/camera/mesh_raster.h"
 #include "scenes/objects/object_model.h"
@@ -66,8 +67,10 @@ class DepthEvidenceOf {
   // Evaluates about max_pixels pixels; by default the number in the options. The result is zero if
   // the object is partly behind the camera or outside the image. Does not allocate once the scratch
   // has grown.
+  // Adds the pixels to `support` if given.
   DepthEvidence operator()(const OrganizedCloud& cloud, const Pose& X_CO, EvidenceScratch& scratch,
-                           std::optional<int> max_pixels = {}) const;
+                           std::optional<int> max_pixels = {},
+                           PoseSupportMeasure* support = nullptr) const;
 
  private:
   double Agreement(double squared_sigmas) const;

@@ -171,7 +171,8 @@ std::vector<JudgedPoint> JudgePoints(const OrganizedCloud& cloud, const ModelPoi
 
 VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoints& model,
                                      const Pose& X_CO, const DepthEvidence& evidence,
-                                     double agreeing_votes, FitReport& fit) {
+                                     const PoseSupport& support, double agreeing_votes,
+                                     FitReport& fit) {
   constexpr double kMaxPixelShare = 4;  // clamp; tiny silhouettes would give huge values
   constexpr float kMaxInside = 0.25f;   // diameters; larger penetrations are clamped
   constexpr float kNearFloor = 0.05f;   // height in diameters at which the feature is 1/e
@@ -210,7 +211,11 @@ VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoi
           std::min(kMaxInside, contained.outside_m / model.diameter_m),
           contained.has_floor ? std::exp(-height / kNearFloor) : 0.0f,
           0.0f,
-          static_cast<float>(evidence.continuing / (evidence.beyond + kPriorSamples))};
+          static_cast<float>(evidence.continuing / (evidence.beyond + kPriorSamples)),
+          static_cast<float>(support.weakest),
+          static_cast<float>(support.second_weakest),
+          static_cast<float>(support.outline_seen),
+          static_cast<float>(support.coplanar)};
 }
 
 void MarkExplained(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
@@ -238,7 +243,7 @@ double Verifier::Score(const VerifyFeatures& features, CandidateMode mode) const
   float logit = b2;
   for (Eigen::Index unit = 0; unit < w1.rows(); ++unit) {
     float sum = b1[unit];
-    for (int i = 0; i < kVerifyFeatures; ++i) {
+    for (Eigen::Index i = 0; i < w1.cols(); ++i) {
       sum += w1(unit, i) * (features[i] - mean[i]) / scale[i];
     }
     logit += w2[unit] * std::tanh(sum);

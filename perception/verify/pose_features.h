@@ -34,7 +34,7 @@ double QuickScore(const OrganizedCloud& cloud, const ModelPoints& model, const P
                   double tau_m = 0.008, int max_points = 120);
 
 // Number and indices of the verifier's inputs, see ComputeVerifyFeatures().
-inline constexpr int kVerifyFeatures = 20;
+inline constexpr int kVerifyFeatures = 24;
 inline constexpr int kMarginFeature = 11, kAgreeingFeature = 12, kViolatedFeature = 14,
                      kWrongNormalFeature = 15, kOutsideFeature = 16, kRestingFeature = 17,
                      kOverlapFeature = 18, kContinuingFeature = 19;
@@ -70,12 +70,15 @@ std::vector<JudgedPoint> JudgePoints(const OrganizedCloud& cloud, const ModelPoi
 // - 17: closeness of the lowest point to the floor, 1 = on it
 // - 18: penetration of other hypotheses, in diameters
 // - 19: share of the samples beyond the outline where the surface continues
+// - 20 to 23: support: weakest and second weakest direction, seen share of the outline, coplanar
+//   readings
 // Scene points are relative to the pixels that the object would cover without occlusion. Margin and
 // penetration of others are 0 here: the caller knows the other hypotheses and fills them. Writes
 // the fit shares to `fit`. Does not allocate.
 VerifyFeatures ComputeVerifyFeatures(const OrganizedCloud& cloud, const ModelPoints& model,
                                      const Pose& X_CO, const DepthEvidence& evidence,
-                                     double agreeing_votes, FitReport& fit);
+                                     const PoseSupport& support, double agreeing_votes,
+                                     FitReport& fit);
 
 // Sets `explained` to 1 at the pixels whose points are on the model surface. `explained` has one
 // entry per image pixel.

@@ -118,10 +118,22 @@ void Evidence(benchmark::State& state) {
 }
 BENCHMARK(Evidence)->Name("depth_evidence/bracket/1500")->Unit(benchmark::kMicrosecond);
 
+void Support(benchmark::State& state) {
+  const DepthEvidenceOf evidence(*SharedScene().objects.front());
+  EvidenceScratch scratch;
+  PoseSupportMeasure support;
+  ForEachPose(state, [&](const BracketScene& scene, const Pose& X_CO) {
+    benchmark::DoNotOptimize(evidence(scene.cloud, X_CO, scratch, 1500, &support));
+    benchmark::DoNotOptimize(support.Finish());
+  });
+}
+BENCHMARK(Support)->Name("pose_support/bracket/1500")->Unit(benchmark::kMicrosecond);
+
 void Verify(benchmark::State& state) {
   ForEachPose(state, [](const BracketScene& scene, const Pose& X_CO) {
     FitReport fit;
-    benchmark::DoNotOptimize(ComputeVerifyFeatures(scene.cloud, scene.models[0], X_CO, {}, 3, fit));
+    benchmark::DoNotOptimize(
+        ComputeVerifyFeatures(scene.cloud, scene.models[0], X_CO, {}, {}, 3, fit));
   });
 }
 BENCHMARK(Verify)->Name("verify/bracket/600")->Unit(benchmark::kMicrosecond);

@@ -99,7 +99,7 @@ TEST_F(ModelFile, NewerVersionIsReportedAsSuch) {
   ASSERT_NE(name, std::string::npos);
   const size_t number = bytes.find('K', name);
   ASSERT_LT(number, name + 16);
-  ASSERT_EQ(bytes[number + 1], 8);
+  ASSERT_EQ(bytes[number + 1], 9);
   bytes[number + 1] = 99;
   WriteFileAtomically(file, bytes);
   EXPECT_THAT(ErrorOf([&] { LoadModel(file); }),

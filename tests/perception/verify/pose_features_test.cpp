@@ -36,7 +36,7 @@ class SlabView : public ::testing::Test {
     EvidenceScratch scratch;
     const OrganizedCloud cloud = BuildCloud(frame, std::nullopt, kKeepAll);
     const DepthEvidence evidence = DepthEvidenceOf(*object_)(cloud, X_CO, scratch);
-    return ComputeVerifyFeatures(cloud, model_, X_CO, evidence, votes, fit);
+    return ComputeVerifyFeatures(cloud, model_, X_CO, evidence, {}, votes, fit);
   }
 
   // Sets depth where the camera sees the slab's left half.
@@ -79,7 +79,7 @@ TEST_F(SlabView, JudgedPointsAddUpToTheFeatures) {
           Perturbed(X_CO_, Eigen::Vector3d::UnitX(), rotation_deg, Eigen::Vector3d::Zero());
       const OrganizedCloud cloud = BuildCloud(frame, std::nullopt, kKeepAll);
       FitReport fit;
-      const VerifyFeatures features = ComputeVerifyFeatures(cloud, model_, X_CO, {}, 0, fit);
+      const VerifyFeatures features = ComputeVerifyFeatures(cloud, model_, X_CO, {}, {}, 0, fit);
       const std::vector<JudgedPoint> points = JudgePoints(cloud, model_, X_CO);
       const auto share = [&](PointFit wanted) {
         const auto count = std::count_if(points.begin(), points.end(),
