@@ -29,6 +29,11 @@ constexpr double kOutlierShare = 0.003;
 // because errors of the factors add up. The second is for the exact form of a group, because a
 // rotation of a thread moves its flanks along the axis.
 constexpr double kGroupTolerance = 2, kExactTolerance = 3;
+// A turned part with dents: three quarters of the surface are within the tolerance after any
+// rotation, all but a twentieth within the second distance and all within the third, as multiples
+// of the tolerance.
+constexpr double kSoundShare = 0.75, kDentShare = 0.05, kDeepShare = 0.01;
+constexpr double kDentTolerance = 3, kDeepestDent = 8;
 constexpr size_t kLargestGroup = 120;
 constexpr std::array kPrimes{2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59};
 // Test rotations in rad. No discrete symmetry of an order below 100 contains them.
@@ -57,6 +62,9 @@ class Finder {
   bool HasOrder(const Axis& axis, int order) const;
   bool TurnsFreely(const Axis& axis) const;
   std::optional<Axis> Continuous(const Vector3d& direction) const;
+  bool MapsWithDents(const Pose& S) const;
+  Axis LineOfNormals(const Vector3d& first_direction) const;
+  std::optional<Axis> ContinuousWithDents(const Vector3d& direction) const;
   std::optional<Axis> Discrete(const Vector3d& direction, int highest_prime) const;
   std::vector<Pose> Group(const std::vector<Axis>& axes) const;
   Vector3d SnappedPoint(const Vector3d& point) const;
@@ -64,7 +72,7 @@ class Finder {
   SymmetrySet OfRevolution(const Axis& axis) const;
 
   MeshQuery query_;
-  std::vector<Vector3d> points_;
+  std::vector<Vector3d> points_, normals_;  // samples of the surface
   Vector3d centroid_ = Vector3d::Zero();
   Vector3d moments_;  // in ascending order
   Matrix3d principal_;
@@ -93,7 +101,9 @@ Finder::Finder(const TriangleMesh& mesh, const SymmetryOptions& options)
   moments_ = principal.values;
   principal_ = principal.vectors;
   Rng rng(0);
-  points_ = SampleSurface(mesh, options.samples, rng).points;
+  SurfaceSamples samples = SampleSurface(mesh, options.samples, rng);
+  points_ = std::move(samples.points);
+  normals_ = std::move(samples.normals);
 }
 
 // Returns the principal axes. It adds the half circle between two axes with similar moments, or the
@@ -194,6 +204,66 @@ std::optional<Axis> Finder::Continuous(const Vector3d& direction) const {
   const std::optional<Axis> axis = Accept(direction, kQuarterRotations[3]);
   if (!axis || !TurnsFreely(*axis)) return std::nullopt;
   return axis;
+}
+
+bool Finder::MapsWithDents(const Pose& S) const {
+  size_t sound = 0, dents = 0, deep = 0;
+  for (const Vector3d& p : points_) {
+    const double distance = query_.ClosestPoint(S * p).distance;
+    sound += distance <= tolerance_m_;
+    dents += distance > kDentTolerance * tolerance_m_;
+    deep += distance > kDeepestDent * tolerance_m_;
+  }
+  const auto count = static_cast<double>(points_.size());
+  return sound >= kSoundShare * count && dents <= kDentShare * count && deep <= kDeepShare * count;
+}
+
+// Returns the line near `first_direction` that the normals of the surface meet, as the normals of a
+// body of revolution meet its axis (Pottmann and Randrup 1998). Dents have little weight.
+Axis Finder::LineOfNormals(const Vector3d& first_direction) const {
+  constexpr int kRounds = 12;
+  constexpr double kUsualSine = 0.05;  // larger deviations of a normal count less
+  Axis line{first_direction, centroid_, 0};
+  for (int round = 0; round < kRounds; ++round) {
+    const Vector3d u = line.direction.unitOrthogonal(), v = line.direction.cross(u);
+    Eigen::Matrix4d A = 1e-12 * Eigen::Matrix4d::Identity();
+    Eigen::Vector4d b = Eigen::Vector4d::Zero();
+    for (size_t i = 0; i < points_.size(); ++i) {
+      const Vector3d arm = points_[i] - line.point;
+      const double radius_m = line.direction.cross(arm).norm();
+      if (radius_m < tolerance_m_) continue;
+      const auto moment = [&](const Vector3d& axis) {
+        return normals_[i].dot(axis.cross(arm)) / radius_m;
+      };
+      const double sine = moment(line.direction);
+      const double weight = 1 / (1 + sine * sine / (kUsualSine * kUsualSine));
+      const double shift_u = -normals_[i].dot(line.direction.cross(u)) / radius_m;
+      const double shift_v = -normals_[i].dot(line.direction.cross(v)) / radius_m;
+      // Shifts are in units of the tolerance, so that all unknowns have the same scale.
+      const Eigen::Vector4d row(moment(u), moment(v), shift_u * tolerance_m_,
+                                shift_v * tolerance_m_);
+      A += weight * row * row.transpose();
+      b -= weight * sine * row;
+    }
+    const Eigen::Vector4d x = SolveSymmetric(A, b);
+    if (!x.allFinite()) break;
+    line.direction = (line.direction + x[0] * u + x[1] * v).normalized();
+    line.point += tolerance_m_ * (x[2] * u + x[3] * v);
+  }
+  line.point += line.direction * line.direction.dot(centroid_ - line.point);
+  return line;
+}
+
+// Returns the axis of a body of revolution with dents, or with small features that break the
+// symmetry.
+std::optional<Axis> Finder::ContinuousWithDents(const Vector3d& first_direction) const {
+  Axis axis = LineOfNormals(first_direction);
+  if (!SameDirection(axis.direction, first_direction)) return std::nullopt;
+  const bool turns_freely =
+      std::all_of(kQuarterRotations.begin(), kQuarterRotations.end(), [&](double angle_rad) {
+        return MapsWithDents(TurnAbout({axis.direction, axis.point}, angle_rad));
+      });
+  return turns_freely ? std::optional(axis) : std::nullopt;
 }
 
 // Checks all rotations of the order, because a small one may pass only because it is small.
@@ -355,6 +425,15 @@ SymmetrySet Finder::Find() {
         })) {
       axes.push_back(*axis);
     }
+  }
+  // A discrete axis means regular features, such as teeth or a hexagon, and not dents.
+  for (int k = 0; k < 3; ++k) {
+    const std::optional<Axis> axis = ContinuousWithDents(principal_.col(k));
+    if (!axis) continue;
+    const bool is_regular = std::any_of(axes.begin(), axes.end(), [&](const Axis& other) {
+      return SameDirection(other.direction, axis->direction);
+    });
+    if (!is_regular) return OfRevolution(*axis);
   }
   const std::vector<Pose> group = Group(axes);
   const std::vector<Pose> exact = ExactGroup(group);

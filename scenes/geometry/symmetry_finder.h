@@ -15,7 +15,9 @@ namespace pickbed::scenes {
 
 struct SymmetryOptions {
   // A symmetry must move 997 of 1000 surface points to within this distance of the surface. The
-  // unit is the diameter of the mesh.
+  // unit is the diameter of the mesh. A body of revolution may have dents: a rotation must then
+  // move 75 % of the points to within this distance, 95 % to within three and 99 % to within eight
+  // times. Teeth and hexagons are no dents, since they repeat.
   double tolerance_diameters = 0.01;
   int samples = 1500;  // surface points
   int max_order = 60;  // of a discrete axis; gears with more teeth appear continuous or are missed

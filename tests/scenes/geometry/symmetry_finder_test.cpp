@@ -56,6 +56,59 @@ TEST(FindSymmetries, FindsOneAxisOfACylinderAndTwoOfABall) {
   EXPECT_EQ(FindSymmetries(BallShape(0.05, 4)).continuous_O.size(), 2u);
 }
 
+// A closed cup with several rings, whose surface a dent can push in.
+TriangleMesh TurnedCup(double dent_m) {
+  constexpr int kSides = 48, kRings = 12;
+  TriangleMesh mesh;
+  for (int ring = 0; ring < kRings; ++ring) {
+    for (int i = 0; i < kSides; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kSides;
+      const bool is_dented = ring >= 5 && ring <= 6 && i >= 3 && i <= 7;
+      const double radius = 0.03 + 0.001 * ring - (is_dented ? dent_m : 0);
+      mesh.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0.008 * ring);
+    }
+  }
+  const int bottom = static_cast<int>(mesh.vertices.size()), top = bottom + 1;
+  mesh.vertices.emplace_back(0, 0, 0);
+  mesh.vertices.emplace_back(0, 0, 0.008 * (kRings - 1));
+  for (int i = 0; i < kSides; ++i) {
+    const int j = (i + 1) % kSides, last = (kRings - 1) * kSides;
+    mesh.triangles.emplace_back(bottom, j, i);
+    mesh.triangles.emplace_back(top, last + i, last + j);
+    for (int ring = 0; ring + 1 < kRings; ++ring) {
+      const int a = ring * kSides, b = a + kSides;
+      mesh.triangles.emplace_back(a + i, a + j, b + j);
+      mesh.triangles.emplace_back(a + i, b + j, b + i);
+    }
+  }
+  return mesh;
+}
+
+TEST(FindSymmetries, SmallDentsDoNotHideABodyOfRevolution) {
+  const SymmetrySet dented = FindSymmetries(TurnedCup(0.005));  // 4.6 % of the diameter
+  ASSERT_EQ(dented.continuous_O.size(), 1u);
+  EXPECT_GT(std::abs(dented.continuous_O[0].axis_O.z()), 0.9999);
+  EXPECT_LT(dented.continuous_O[0].offset_O.head<2>().norm(), 0.0005);
+  EXPECT_TRUE(FindSymmetries(TurnedCup(0.012)).trivial()) << "11 % of the diameter is a feature";
+  TriangleMesh mug = TurnedCup(0);
+  Append(BoxShape({0.03, 0.01, 0.05}, {0.05, 0, 0.045}), mug);
+  EXPECT_TRUE(FindSymmetries(mug).continuous_O.empty()) << "a handle is no dent";
+}
+
+// Their corners deviate by less than a dent, but they repeat.
+TEST(FindSymmetries, TeethAndCornersAreNoDents) {
+  TriangleMesh gear = Prism(48, 0.05, 0.02);
+  for (size_t i = 0; i < gear.vertices.size(); ++i) {
+    if (i % 4 < 2) gear.vertices[i].head<2>() *= 0.94;
+  }
+  EXPECT_TRUE(FindSymmetries(gear).continuous_O.empty());
+  EXPECT_EQ(FindSymmetries(gear).discrete_O.size(), 23u);  // D12
+  EXPECT_TRUE(FindSymmetries(Prism(8, 0.05, 0.03)).continuous_O.empty());
+  TriangleMesh oval = Prism(64, 0.05, 0.1);
+  for (Vector3d& v : oval.vertices) v.x() *= 0.92;
+  EXPECT_TRUE(FindSymmetries(oval).continuous_O.empty());
+}
+
 TEST(FindSymmetries, FindsNoneForAnIrregularBox) {
   TriangleMesh box = BoxShape({0.1, 0.1, 0.1});
   box.vertices[7] += Vector3d(0.02, 0.01, 0.015);
