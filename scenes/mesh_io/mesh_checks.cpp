@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <set>
 #include <tuple>
@@ -111,6 +112,59 @@ TriangleMesh TurnedOutwards(TriangleMesh mesh) {
   if (agreement < 0) {
     for (Eigen::Vector3d& n : mesh.normals) n = -n;
   }
+  return mesh;
+}
+
+TriangleMesh WithAgreeingFaces(TriangleMesh mesh) {
+  const std::vector<int> welded = WeldByPosition(mesh.vertices);
+  struct Side {
+    int face;
+    bool is_forward;  // from the lower to the higher vertex
+  };
+  std::map<std::pair<int, int>, std::vector<Side>> sides;
+  const int count = static_cast<int>(mesh.triangles.size());
+  for (int face = 0; face < count; ++face) {
+    for (int k = 0; k < 3; ++k) {
+      const int a = welded[mesh.triangles[face][k]], b = welded[mesh.triangles[face][(k + 1) % 3]];
+      if (a != b) sides[std::minmax(a, b)].push_back({face, a < b});
+    }
+  }
+  struct Neighbor {
+    int face;
+    bool agrees;
+  };
+  std::vector<std::vector<Neighbor>> neighbors(count);
+  for (const auto& [edge, of_edge] : sides) {
+    if (of_edge.size() != 2) continue;  // an open edge, or a joint of several surfaces
+    const bool agrees = of_edge[0].is_forward != of_edge[1].is_forward;
+    neighbors[of_edge[0].face].push_back({of_edge[1].face, agrees});
+    neighbors[of_edge[1].face].push_back({of_edge[0].face, agrees});
+  }
+  std::vector<int> turned(count, -1);  // against the first face of the group; -1 = not reached
+  bool is_changed = false;
+  for (int seed = 0; seed < count; ++seed) {
+    if (turned[seed] >= 0) continue;
+    std::vector<int> group{seed};
+    turned[seed] = 0;
+    std::array<double, 2> area{};
+    for (size_t i = 0; i < group.size(); ++i) {
+      const Eigen::Vector3i& t = mesh.triangles[group[i]];
+      const std::vector<Eigen::Vector3d>& v = mesh.vertices;
+      area[turned[group[i]]] += (v[t[1]] - v[t[0]]).cross(v[t[2]] - v[t[0]]).norm();
+      for (const Neighbor& neighbor : neighbors[group[i]]) {
+        if (turned[neighbor.face] >= 0) continue;
+        turned[neighbor.face] = turned[group[i]] ^ (neighbor.agrees ? 0 : 1);
+        group.push_back(neighbor.face);
+      }
+    }
+    const int wrong = area[0] >= area[1] ? 1 : 0;
+    for (const int face : group) {
+      if (turned[face] != wrong) continue;
+      std::swap(mesh.triangles[face][1], mesh.triangles[face][2]);
+      is_changed = true;
+    }
+  }
+  if (is_changed) mesh.normals.clear();
   return mesh;
 }
 

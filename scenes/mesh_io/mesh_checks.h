@@ -29,6 +29,12 @@ TriangleMesh WithoutRepeatedFaces(TriangleMesh mesh);
 // relative to its bounds). Open and inside-out meshes pass.
 void RequireUsableMesh(const TriangleMesh& mesh, const std::string& source);
 
+// Reverses faces so that neighbours agree about the outside. In each group of connected faces, the
+// side with the larger area wins; groups without a contradiction stay as they are. If a face is
+// reversed, the normals are dropped. Faces of a surface with one side (a Moebius strip) keep some
+// contradictions.
+TriangleMesh WithAgreeingFaces(TriangleMesh mesh);
+
 // Reverses all faces if the signed volume is negative. The normals are then also reversed if they
 // point inwards.
 TriangleMesh TurnedOutwards(TriangleMesh mesh);

@@ -197,6 +197,13 @@ InspectedMesh InspectMeshFile(const fs::path& file, const std::string& unit, boo
     inspected.fixed.push_back(
         fmt::format("{} duplicate faces were removed", faces - mesh.triangles.size()));
   }
+  const int contradictions = InspectMesh(mesh).flipped_edges;
+  if (contradictions > 0) {
+    mesh = WithAgreeingFaces(std::move(mesh));
+    inspected.fixed.push_back(
+        fmt::format("faces disagreed about the outside along {} edges and were reversed",
+                    contradictions - InspectMesh(mesh).flipped_edges));
+  }
   if (load.degenerate_faces > 0) {
     inspected.fixed.push_back(fmt::format(
         "{} faces had two corners at one position and were removed", load.degenerate_faces));

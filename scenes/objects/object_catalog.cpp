@@ -206,7 +206,7 @@ std::shared_ptr<ObjectModel> MakeModel(const std::string& name, const fs::path& 
   model->name = name;
   model->mesh_O = LoadMesh(mesh_file, unit);
   RequireUsableMesh(model->mesh_O, mesh_file.string());
-  model->mesh_O = TurnedOutwards(std::move(model->mesh_O));
+  model->mesh_O = TurnedOutwards(WithAgreeingFaces(std::move(model->mesh_O)));
   model->mass = SolidProperties(model->mesh_O, weight.mass_kg > 0 ? 1.0 : weight.density_kgpm3);
   if (weight.mass_kg > 0) {
     model->mass.inertia_com_O *= weight.mass_kg / model->mass.mass_kg;

@@ -99,5 +99,28 @@ TEST(TurnedOutwards, FlipsFacesAndOnlyInwardNormals) {
   }
 }
 
+TEST(WithAgreeingFaces, ReversedFacesAreReversedBack) {
+  const TriangleMesh ball = BallShape(1, 2);
+  TriangleMesh wrong = ball;
+  for (size_t i = 0; i < wrong.triangles.size(); i += 5) {
+    std::swap(wrong.triangles[i][1], wrong.triangles[i][2]);
+  }
+  ASSERT_GT(InspectMesh(wrong).flipped_edges, 0);
+  const TriangleMesh right = WithAgreeingFaces(wrong);
+  EXPECT_EQ(InspectMesh(right).flipped_edges, 0);
+  EXPECT_NEAR(InspectMesh(right).volume_m3, InspectMesh(ball).volume_m3, 1e-12);
+  EXPECT_TRUE(right.normals.empty());
+}
+
+// The cavity of a hollow body points inwards. It has no contradiction and must stay.
+TEST(WithAgreeingFaces, GroupsWithoutContradictionStay) {
+  TriangleMesh hollow = BallShape(1, 2), cavity = BallShape(0.8, 2);
+  TurnInsideOut(cavity);
+  Append(cavity, hollow);
+  const TriangleMesh same = WithAgreeingFaces(hollow);
+  EXPECT_EQ(same.triangles, hollow.triangles);
+  EXPECT_EQ(same.normals, hollow.normals);
+}
+
 }  // namespace
 }  // namespace pickbed::tests
