@@ -12,6 +12,7 @@
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/base/random.h"
+#include "scenes/mesh_io/mesh_join.h"
 
 namespace pickbed::perception {
 namespace {
@@ -153,6 +154,17 @@ std::string CommandFor(const ObjectSet& objects, const std::string& command) {
   return command.substr(0, quote) + names + command.substr(quote);
 }
 
+namespace {
+
+// Returns whether a coloured object has the shape of an object that was trained without colours.
+bool IsSameShape(const ModelObject& trained, const ObjectModel& object) {
+  const TriangleMesh& mesh_O = object.mesh_O;
+  if (mesh_O.colors.empty() && mesh_O.uvs.empty()) return false;
+  return std::ranges::count(UncoloredHashes(mesh_O), trained.mesh_hash) > 0;
+}
+
+}  // namespace
+
 std::vector<int> TrainedObjects(const std::vector<ModelObject>& trained, const ObjectSet& objects,
                                 const std::filesystem::path& file, const std::string& command) {
   std::vector<int> indices;
@@ -167,7 +179,7 @@ std::vector<int> TrainedObjects(const std::vector<ModelObject>& trained, const O
                fmt::format("{}: not trained for object '{}' (knows {}); train a model with {}",
                            file.string(), object->name, known, CommandFor(objects, command)));
     CheckInput(
-        found->mesh_hash == object->mesh_hash,
+        found->mesh_hash == object->mesh_hash || IsSameShape(*found, *object),
         fmt::format("{}: the mesh of object '{}' has changed since training; train again with {}",
                     file.string(), object->name, command));
     indices.push_back(static_cast<int>(found - trained.data()));

@@ -96,4 +96,12 @@ TriangleMesh WithEqualVerticesJoined(const TriangleMesh& mesh) {
   return joined;
 }
 
+std::array<uint64_t, 2> UncoloredHashes(TriangleMesh mesh) {
+  mesh.colors.clear();
+  mesh.uvs.clear();
+  const uint64_t with_normals = MeshHash(WithEqualVerticesJoined(mesh));
+  mesh.normals.clear();
+  return {with_normals, MeshHash(WithEqualVerticesJoined(mesh))};
+}
+
 }  // namespace pickbed::scenes

@@ -2,6 +2,9 @@
 
 // Steps that turn the unconnected triangles of a mesh file into an indexed mesh.
 
+#include <array>
+#include <cstdint>
+
 #include "scenes/geometry/triangle_mesh.h"
 
 namespace pickbed::scenes {
@@ -22,5 +25,9 @@ bool NormalsAreUnit(const TriangleMesh& mesh);
 // triangles use them. Unused vertices are dropped. Joining by distance would merge fine detail;
 // assimp does so below 10 micrometres.
 TriangleMesh WithEqualVerticesJoined(const TriangleMesh& mesh);
+
+// Returns the hashes (MeshHash) that the mesh has without colours and texture: with its normals,
+// and without them. Colours split vertices, so the hash of the coloured mesh is another one.
+std::array<uint64_t, 2> UncoloredHashes(TriangleMesh mesh);
 
 }  // namespace pickbed::scenes

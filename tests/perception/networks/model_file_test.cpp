@@ -10,6 +10,7 @@
 #include "perception/networks/verifier_file.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/mesh_io/mesh_join.h"
 #include "tests/support/error_of.h"
 #include "tests/support/synthetic_depth.h"
 #include "tests/support/temporary_folder.h"
@@ -121,6 +122,33 @@ TEST(VerifierValues, FewerFeaturesMeanTheFirstOnes) {
   EXPECT_NEAR(verifier.Score(features, CandidateMode::kFast), expected, 1e-6)
       << "a single calibration applies to all modes";
   EXPECT_THAT(ErrorOf([&] { VerifiersFrom(values, 1, {3, 1}); }), HasSubstr("another shape"));
+}
+
+// A mesh with other colours on both sides of an edge has more vertices there.
+TEST(TrainedObjects, ColouredMeshUsesTheModelOfTheSameShape) {
+  TriangleMesh plain = BracketMesh();
+  plain = WithEqualVerticesJoined(plain);
+  TriangleMesh colored;
+  for (const Eigen::Vector3i& triangle : plain.triangles) {
+    const int first = static_cast<int>(colored.vertices.size());
+    for (const int corner : triangle) {
+      colored.vertices.push_back(plain.vertices[corner]);
+      colored.colors.push_back({static_cast<uint8_t>(first), 100, 50});
+    }
+    colored.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  auto object = std::make_shared<ObjectModel>();
+  object->name = "bracket";
+  object->mesh_O = colored;
+  object->mesh_hash = MeshHash(colored);
+  ASSERT_NE(object->mesh_hash, MeshHash(plain));
+  const std::vector<ModelObject> trained{{"bracket", MeshHash(plain), 0.08, 0.064}};
+  EXPECT_EQ(TrainedObjects(trained, {object}, "m.pt"), std::vector{0});
+  auto other = std::make_shared<ObjectModel>(*object);
+  other->mesh_O.vertices.back().x() += 0.001;
+  other->mesh_hash = MeshHash(other->mesh_O);
+  EXPECT_THAT(ErrorOf([&] { TrainedObjects(trained, {other}, "m.pt"); }),
+              HasSubstr("has changed since training"));
 }
 
 TEST(ShippedModel, CanBeLoaded) {
