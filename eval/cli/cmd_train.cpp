@@ -104,7 +104,9 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
                  "folder of the report page [beside the model file, <model>_report]");
   app.add_flag("--resume", arguments.resume,
                "continue from the checkpoint of an interrupted training");
-  app.add_option("--minutes", arguments.max_minutes, "time limit, minutes; 0 = none")
+  app.add_option("--minutes", arguments.max_minutes,
+                 "time limit of the whole training, minutes, for at least some minutes per object; "
+                 "0 = none")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--seed", arguments.seed, "random seed; the same seed gives the same model")

@@ -77,6 +77,8 @@ class Trainer {
   void Step(double share);
   void Measure();
   double Share() const;
+  double NetworkLimit_s() const;
+  std::vector<VerifierDeadlines> Deadlines() const;
   void SaveCheckpoint();
   bool TrainVerifiers();
   std::vector<TrainedVerifier> AllVerifiers() const;
@@ -125,7 +127,7 @@ bool Trainer::Report(const char* phase, double share, int total, double shown_fr
   if (!job_.on_progress) return true;
   TrainingProgress progress;
   progress.phase = phase;
-  progress.done = static_cast<int>(std::lround(share * total));
+  progress.done = static_cast<int>(std::lround(std::min(share, 1.0) * total));
   progress.total = total;
   progress.loss = RecentLoss();
   if (!report_.recall_history.empty()) {
@@ -176,6 +178,7 @@ TrainingViewsPlan Trainer::Plan() const {
   plan.positive_pairs = options_.positive_pairs;
   plan.held_out = options_.held_out;
   plan.verifier = VerifierPlan();
+  plan.deadlines = Deadlines();
   return plan;
 }
 
@@ -214,8 +217,38 @@ bool Trainer::AwaitScenes(double share, const char* phase, double shown_from) {
 
 double Trainer::Share() const {
   const double by_count = schedule_.Share(iteration_);
-  const double limit_s = 60 * options_.max_minutes;
+  const double limit_s = NetworkLimit_s();
   return limit_s > 0 ? std::max(by_count, SecondsSince(start_) / limit_s) : by_count;
+}
+
+// Returns the time limit of the network, from the start; 0 = none.
+double Trainer::NetworkLimit_s() const {
+  constexpr double kNetworkShare = 0.4;
+  const double limit_s = 60 * options_.max_minutes;
+  return NewObjects().empty() ? limit_s : kNetworkShare * limit_s;
+}
+
+// Returns the deadlines of the verifiers that are not yet trained. Views of one object are rendered
+// while the verifier of the one before is trained. A network that ends early leaves them more time,
+// which they use up to the planned number of scenes.
+std::vector<VerifierDeadlines> Trainer::Deadlines() const {
+  constexpr double kUsedShare = 0.93;  // the rest is for the fit, the report and the files
+  constexpr double kViewsShare = 0.5;  // of an object's time, the rest is for its candidates
+  std::vector<VerifierDeadlines> deadlines;
+  if (options_.max_minutes <= 0) return deadlines;
+  const double begin_s = options_.verifiers_only ? SecondsSince(start_) : NetworkLimit_s();
+  const double end_s = kUsedShare * 60 * options_.max_minutes;
+  const size_t count = NewObjects().size() - trained_.size();
+  const auto at = [&](double objects) {
+    const double seconds = begin_s + (end_s - begin_s) * objects / static_cast<double>(count);
+    return start_ +
+           std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  };
+  for (size_t i = 0; i < count; ++i) {
+    const double done = static_cast<double>(i);
+    deadlines.push_back({at(done + kViewsShare), at(done + 1)});
+  }
+  return deadlines;
 }
 
 void Trainer::SaveCheckpoint() {
@@ -281,7 +314,9 @@ bool Trainer::TrainVerifiers() {
   const auto share_of = [&](size_t done, double share) {
     return (static_cast<double>(done) + share) / static_cast<double>(new_objects.size());
   };
-  for (size_t n = trained_.size(); n < new_objects.size(); ++n) {
+  const size_t first = trained_.size();
+  const std::vector<VerifierDeadlines> deadlines = Deadlines();
+  for (size_t n = first; n < new_objects.size(); ++n) {
     std::optional<VerifierTrainingSet> training_set;
     while (!training_set) {
       const PhaseTimer timer(report_, "waiting for verifier views");
@@ -292,12 +327,13 @@ bool Trainer::TrainVerifiers() {
     const PhaseTimer timer(report_, "verifier");
     const ObjectId i = new_objects[n];
     const VerifierObject object{i, sides_[i], network_.length(), VoterOf(network_)};
+    VerifierTrainingOptions plan = VerifierPlan();
+    if (!deadlines.empty()) plan.deadlines = deadlines[n - first];
     bool go_on = true;
     const TrainedVerifier trained = NamingObject(*objects_[i], [&] {
-      return TrainObjectVerifier(
-          *training_set, objects_[i], object, VerifierPlan(), [&](double share) {
-            return go_on = Report("verifier", share_of(n, share), clutter_scenes);
-          });
+      return TrainObjectVerifier(*training_set, objects_[i], object, plan, [&](double share) {
+        return go_on = Report("verifier", share_of(n, share), clutter_scenes);
+      });
     });
     if (!go_on) return false;
     trained_.push_back(trained);

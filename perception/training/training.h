@@ -45,7 +45,7 @@ struct TrainingOptions {
   bool verifiers_only = false;
   int verifier_entries = 24000;  // codebook entries per object while its verifier is trained
   int checkpoint_every = 200;    // iterations
-  double max_minutes = 0;        // limit for views and network, shortens the schedule; 0 = none
+  double max_minutes = 0;        // limit of the whole training; shortens all of its parts; 0 = none
   NetworkOptions network;
   LossOptions loss;
   VerifierOptions verifier;

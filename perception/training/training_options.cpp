@@ -33,7 +33,7 @@ void TrainingOptions::Visit(SettingsVisitor& v) {
   v.Integer("checkpoint_every", checkpoint_every, {1, 1000000},
             "number of steps between two checkpoints");
   v.Real("max_minutes", max_minutes, {0, 1e6},
-         "time limit of views and network, minutes; 0 = no limit");
+         "time limit of views, network and verifiers together, minutes; 0 = no limit");
   v.Group(
       "network", [&](SettingsVisitor& g) { network.Visit(g); }, "settings of the network");
   v.Group(

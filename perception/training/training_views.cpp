@@ -80,10 +80,12 @@ void TrainingViews::Impl::MakeAll() {
   const int count = static_cast<int>(plan.scene_objects.size());
   for (int i = 0; i < count && !stop && !skip_scenes; ++i)
     Hand(clutter_scenes, MakeClutterScene(i), kAll);
-  for (const ObjectId object : plan.verifiers) {
+  for (size_t i = 0; i < plan.verifiers.size(); ++i) {
     if (stop) return;
-    Hand(training_sets,
-         MakeVerifierTrainingSet(source, object, plan.forms[object], plan.verifier, go_on),
+    const ObjectId object = plan.verifiers[i];
+    VerifierTrainingOptions options = plan.verifier;
+    if (!plan.deadlines.empty()) options.deadlines = plan.deadlines[i];
+    Hand(training_sets, MakeVerifierTrainingSet(source, object, plan.forms[object], options, go_on),
          kTrainingSetsAhead);
   }
 }

@@ -26,6 +26,7 @@ struct TrainingViewsPlan {
   PositivePairOptions positive_pairs;
   HeldOutOptions held_out;
   VerifierTrainingOptions verifier;
+  std::vector<VerifierDeadlines> deadlines = {};  // by verifier; empty = no time limit
 };
 
 // Training pairs of one clutter scene, by object.

@@ -107,6 +107,15 @@ Calibration Calibrate(const std::vector<ScoredPose>& poses) {
   return {static_cast<float>(x[0]), static_cast<float>(x[1])};
 }
 
+namespace {
+
+// With a time limit, the smallest number of clutter scenes, and of views of them.
+constexpr int kMinScenes = 4;
+
+bool IsPast(VerifierDeadlines::Time time) { return std::chrono::steady_clock::now() > time; }
+
+}  // namespace
+
 std::vector<LabelledView> VerifierScenes(LabelledViewSource& views, ObjectId object, bool color,
                                          const VerifierTrainingOptions& options,
                                          const std::function<bool(double)>& on_share) {
@@ -121,6 +130,7 @@ std::vector<LabelledView> VerifierScenes(LabelledViewSource& views, ObjectId obj
       all.push_back(std::move(view));
     }
     if (!on_share(static_cast<double>(i + 1) / options.clutter_scenes)) break;
+    if (i + 1 >= kMinScenes && options.deadlines && IsPast(options.deadlines->views)) break;
   }
   return all;
 }
@@ -174,15 +184,14 @@ TrainedVerifier TrainObjectVerifier(const std::vector<LabelledView>& clutter_sce
   CheckSettings("VerifierTrainingOptions", options);
   const CandidateRefiner& candidate_refiner = sources.front()->candidate_refiner();
   const std::vector<PoseDistance>& distances = candidate_refiner.distances();
-  const size_t learned = clutter_scenes.size() -
-                         static_cast<size_t>(options.calibration_share * clutter_scenes.size());
-
   VerifierExamples examples;
   std::vector<std::vector<std::vector<Candidate>>> found(
       clutter_scenes.size());  // by view and source
   StageSeconds seconds;
-  for (size_t i = 0; i < clutter_scenes.size(); ++i) {
-    if (!on_share(static_cast<double>(i) / clutter_scenes.size())) return {};
+  size_t count = clutter_scenes.size();  // views that are used
+  std::vector<size_t> examples_until;    // number of examples after each view
+  for (size_t i = 0; i < count; ++i) {
+    if (!on_share(static_cast<double>(i) / count)) return {};
     Rng rng = Rng::Derive(options.seed, i, "training/verifier_view");
     const OrganizedCloud cloud = BuildCloud(clutter_scenes[i].frame, clutter_scenes[i].background);
     for (const CandidateSource* source : sources) {
@@ -192,11 +201,16 @@ TrainedVerifier TrainObjectVerifier(const std::vector<LabelledView>& clutter_sce
             IsRight(candidate.hypothesis.X_CO, clutter_scenes[i], object, distances.front()));
       }
     }
-    if (i + 1 == learned) examples.held_out_from = examples.features.size();
+    examples_until.push_back(examples.features.size());
+    const bool is_enough =
+        i + 1 >= static_cast<size_t>(kMinScenes) * options.views_per_scene || i + 1 == count;
+    if (is_enough && options.deadlines && IsPast(options.deadlines->candidates)) count = i + 1;
   }
+  const size_t learned = count - static_cast<size_t>(options.calibration_share * count);
+  if (learned > 0) examples.held_out_from = examples_until[learned - 1];
   TrainedVerifier trained = TrainVerifier(examples, options.verifier, options.seed);
   std::vector<std::vector<ScoredPose>> reported(sources.size());
-  for (size_t i = learned; i < clutter_scenes.size(); ++i) {
+  for (size_t i = learned; i < count; ++i) {
     const OrganizedCloud cloud = BuildCloud(clutter_scenes[i].frame, clutter_scenes[i].background);
     for (size_t s = 0; s < sources.size(); ++s) {
       PoseSelectionOptions all;

@@ -5,7 +5,9 @@
 // is calibrated for each mode on the poses that remain after pose selection: logistic calibration
 // (Platt 1999).
 
+#include <chrono>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,6 +20,14 @@
 
 namespace pickbed::perception {
 
+// End of the two long parts of a verifier's training, for a training with a time limit. Each part
+// still does its smallest useful amount. The result then depends on the speed of the machine.
+struct VerifierDeadlines {
+  using Time = std::chrono::steady_clock::time_point;
+  Time views;       // of rendering the clutter scenes
+  Time candidates;  // of finding candidates in them
+};
+
 struct VerifierTrainingOptions {
   uint64_t seed = 0;
   int clutter_scenes = 24;
@@ -25,9 +35,10 @@ struct VerifierTrainingOptions {
   double calibration_share = 0.3;  // last share of the views, used for AUC and calibration
   VerifierOptions verifier;
   // Only for learned descriptors:
-  int entries = 24000;                           // codebook entries of the object
-  std::vector<CandidateOptions> candidates{{}};  // one per mode
-  void Visit(SettingsVisitor& v);                // all except the last two
+  int entries = 24000;                              // codebook entries of the object
+  std::vector<CandidateOptions> candidates{{}};     // one per mode
+  std::optional<VerifierDeadlines> deadlines = {};  // none = no time limit
+  void Visit(SettingsVisitor& v);                   // all except the last three
 };
 
 // An object and the network that describes its patches.
