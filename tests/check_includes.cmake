@@ -19,7 +19,7 @@ set(floors_sim "physics convex render sensor | hands drop | .")
 set(floors_perception ". cloud | features model segments | crops verify voting | icp networks | completion | candidates | training"
   " | crop_methods | estimators")
 set(floors_grasp ". place | candidates execute | grippers plan | tolerance cloud | completed | planners")
-set(floors_eval "stats | metrics | page | cell shapes | trial runtime draw | segments store tolerance explain export | summary bop"
+set(floors_eval "stats | metrics | page | cell shapes frames | trial runtime draw | segments store tolerance explain export | summary bop"
   " | compare sweep train completion | report budget estimate execution calibrate grasps | replay benchmark"
   " | cli python | reference")
 
@@ -32,7 +32,7 @@ set(third_party
   "flann/=>^(perception/features/neighbors|eval/metrics/vertex_tree)\\.cpp$"
   "lz4=>^perception/[a-z_]+/[a-z_]+\\.cpp$"
   "assimp/=>^scenes/mesh_io/(mesh_io|scene_export)\\.cpp$"
-  "opencv2/=>^(scenes/image/image_io\\.cpp|eval/draw/[a-z_]+\\.(cpp|h)|perception/cloud/color_edges\\.cpp|perception/estimators/ppf_matcher\\.cpp|perception/crop_methods/(hog|linemod)\\.cpp)$"
+  "opencv2/=>^(scenes/image/(image_io|number_image)\\.cpp|eval/draw/[a-z_]+\\.(cpp|h)|perception/cloud/color_edges\\.cpp|perception/estimators/ppf_matcher\\.cpp|perception/crop_methods/(hog|linemod)\\.cpp)$"
   "yaml-cpp/=>^scenes/base/settings(_tree|_names)?\\.cpp$"
   "sqlite3=>^eval/store/[a-z_]+\\.(cpp|h)$"
   "boost/=>^eval/stats/[a-z_]+\\.cpp$"

@@ -15,13 +15,12 @@
 #include "eval/bop/read_dataset.h"
 #include "eval/bop/targets.h"
 #include "eval/explain/explain.h"
+#include "eval/frames/frame_checks.h"
+#include "eval/frames/image_estimator.h"
+#include "eval/frames/region.h"
 #include "perception/estimators/pose_estimator.h"
 #include "perception/icp/final_refinement.h"
 #include "scenes/base/error.h"
-#include "scenes/base/files.h"
-#include "sim/convex/convex_pieces.h"
-#include "sim/sensor/depth_noise.h"
-#include "sim/training_view_source.h"
 
 namespace pickbed::eval {
 namespace {
@@ -42,74 +41,43 @@ std::set<int> ObjectsOf(const SplitTargets& targets, const std::map<int, Dataset
   return objects;
 }
 
-bool HasReadings(const Image<float>& depth_m) {
-  return std::ranges::any_of(depth_m.pixels(), [](float d) { return d > 0; });
-}
-
-// Median depth in metres. The image must have at least one reading. Used as a working distance
-// because it needs no ground truth.
-double MedianDepth(const Image<float>& depth_m) {
-  std::vector<float> readings;
-  for (const float d : depth_m.pixels()) {
-    if (d > 0) readings.push_back(d);
-  }
-  std::nth_element(readings.begin(), readings.begin() + readings.size() / 2, readings.end());
-  return readings[readings.size() / 2];
-}
-
 // Estimator and objects with their resources, set up for the camera of the first usable target
 // image.
 class Runner {
  public:
-  Runner(const fs::path& root, const EstimateDatasetOptions& options, const std::set<int>& wanted,
-         const std::map<int, DatasetModelInfo>& models, const RgbdFrame& first,
+  Runner(DatasetObjects dataset, const EstimateDatasetOptions& options, const RgbdFrame& first,
          const std::function<void(const EstimateDatasetProgress&)>& on_progress)
-      : task_(options.task), bin_(options.bin), on_warning_(options.on_warning) {
-    const EstimatorRow& row = EstimatorNamed(options.estimator.name);
-    EstimatorSetup setup;
-    DatasetObjects dataset = LoadDatasetObjects(root, wanted, models);
-    setup.objects = std::move(dataset.objects);
-    object_ids_ = std::move(dataset.ids);
-    setup.spec = options.estimator;
-    setup.refiner = options.refiner;
-    setup.intrinsics = first.intrinsics;
-    setup.working_distance_m = MedianDepth(first.depth_m);
-    if (row.renders) {
-      setup.objects = WithConvexPieces(setup.objects);
-      ViewSourceOptions view_options;
-      view_options.sensor = LoadSensorProfile(ScenarioSpec().sensor);
-      view_options.camera = first.intrinsics;
-      views_ = MakeSimViewSource(setup.objects, view_options);
-    }
-    setup.threads = options.threads;
-    setup.views = views_.get();
-    setup.log_dir = options.log_dir;
-    setup.cache_dir = CacheDir();
+      : task_(options.task),
+        bin_(options.bin),
+        region_(options.region),
+        on_warning_(options.on_warning),
+        object_ids_(std::move(dataset.ids)) {
+    ImageEstimatorSetup setup{std::move(dataset.objects), options.estimator, options.refiner,
+                              options.threads, options.log_dir};
     if (on_progress) {
       setup.on_progress = [on_progress](std::string_view what, double share) {
         on_progress({std::string(what), share});
       };
     }
-    estimator_ = MakeEstimator(setup);
-    objects_ = setup.objects;
-    working_distance_m_ = setup.working_distance_m;
+    estimator_ = std::make_unique<ImageEstimator>(setup, first);
   }
 
   EstimateResult Explain(const RgbdFrame& frame, const ImageTruth& image,
                          const ImageTargets& targets, Rng& rng, EstimateTrace& trace) {
-    return estimator_->Estimate({frame, Background(image), &trace, Instances(targets)}, rng);
+    EstimatorInput input{frame, Background(image), &trace, Instances(targets)};
+    return EstimateIn(input, image, rng);
   }
   const std::vector<int>& object_ids() const { return object_ids_; }
-  const ObjectSet& objects() const { return objects_; }
-  LabelledViewSource& views() { return *views_; }
-  double working_distance_m() const { return working_distance_m_; }
+  const ObjectSet& objects() const { return estimator_->objects(); }
+  LabelledViewSource& views() { return estimator_->views(); }
+  double working_distance_m() const { return estimator_->working_distance_m(); }
 
   void Run(const RgbdFrame& frame, const ImageTruth& image, const ImageTargets& targets,
            DatasetEstimate place, Rng& rng, std::vector<DatasetEstimate>& estimates) {
     const auto start = std::chrono::steady_clock::now();
     EstimatorInput input{frame, Background(image), nullptr, Instances(targets)};
     input.is_first = std::exchange(is_first_, false);
-    const EstimateResult result = estimator_->Estimate(input, rng);
+    const EstimateResult result = EstimateIn(input, image, rng);
     if (result.failure) Warn(place, *result.failure);
     ++images_;
     without_background_ += !result.has_background;
@@ -137,6 +105,16 @@ class Runner {
     return KnownBackground{*bin_, *image.X_CW};
   }
 
+  // Estimates poses in the region of interest, if there is one.
+  EstimateResult EstimateIn(EstimatorInput& input, const ImageTruth& image, Rng& rng) {
+    if (region_.empty()) return estimator_->Estimate(input, rng);
+    const ImageRegion region = MakeRegion(region_, input.frame, image.X_CW, objects());
+    input.region = &region.pixels;
+    EstimateResult result = estimator_->Estimate(input, rng);
+    KeepPosesIn(region, input.frame.intrinsics, objects(), result.hypotheses);
+    return result;
+  }
+
   void Warn(const DatasetEstimate& place, const EstimatorFailure& failure) const {
     if (!on_warning_) return;
     on_warning_(fmt::format("image {}/{}: {}", place.scene_id, place.image_id, failure.text));
@@ -155,14 +133,52 @@ class Runner {
 
   DatasetTask task_;
   std::optional<Bin> bin_;
+  RegionSpec region_;
   std::function<void(const std::string& line)> on_warning_;
   bool is_first_ = true;  // the next image
   int images_ = 0, without_background_ = 0;
   std::vector<int> object_ids_;
-  ObjectSet objects_;
-  double working_distance_m_ = 0;
-  std::unique_ptr<LabelledViewSource> views_;
-  std::unique_ptr<PoseEstimator> estimator_;
+  std::unique_ptr<ImageEstimator> estimator_;
+};
+
+// What CheckFrame() finds in the images of a data set.
+class FrameDoubts {
+ public:
+  void Add(const DatasetEstimate& place, const std::vector<FrameFinding>& findings) {
+    ++images_;
+    const bool has_error = !findings.empty() && findings.front().is_error;
+    images_with_error_ += has_error;
+    std::set<FrameFault> counted;
+    for (const FrameFinding& finding : findings) {
+      if (!counted.insert(finding.fault).second) continue;
+      Doubt& doubt = doubts_[finding.fault];
+      if (doubt.images++ > 0) continue;
+      doubt.line = fmt::format("image {}/{}: {}", place.scene_id, place.image_id, finding.text);
+      if (finding.is_error && error_.empty()) error_ = doubt.line;
+    }
+  }
+
+  // Throws InputError if no image is usable. An image without readings is only skipped.
+  void Report(const std::function<void(const std::string& line)>& on_warning) const {
+    const auto holes = doubts_.find(FrameFault::kNoReadings);
+    const int empty = holes == doubts_.end() ? 0 : holes->second.images;
+    CheckInput(images_with_error_ < images_ || empty == images_ || images_ == 0, error_);
+    if (!on_warning) return;
+    for (const auto& [fault, doubt] : doubts_) {
+      on_warning(doubt.line + (doubt.images > 1
+                                   ? fmt::format(" ({} images have this fault)", doubt.images)
+                                   : ""));
+    }
+  }
+
+ private:
+  struct Doubt {
+    std::string line;  // about the first image
+    int images = 0;
+  };
+  int images_ = 0, images_with_error_ = 0;
+  std::string error_;
+  std::map<FrameFault, Doubt> doubts_;
 };
 
 const ImageTruth& TargetImage(const SceneTruth& scene, int image_id) {
@@ -255,9 +271,15 @@ std::vector<DatasetEstimate> EstimateDataset(
   for (const auto& [scene_id, images] : targets.scenes) all += images.size();
   // All images are read once before the first is processed, which takes a small share of the time.
   // A broken image is thus reported at once. After hours of work, all estimates would be lost.
-  ForEachTarget(
-      root, split, targets,
-      [](const DatasetEstimate&, const ImageTruth&, const ImageTargets&, const RgbdFrame&) {});
+  DatasetObjects objects =
+      LoadDatasetObjects(root, ObjectsOf(targets, models, options.task), models);
+  FrameDoubts doubts;
+  ForEachTarget(root, split, targets,
+                [&](const DatasetEstimate& place, const ImageTruth& image, const ImageTargets&,
+                    const RgbdFrame& frame) {
+                  doubts.Add(place, CheckFrame(frame, objects.objects, image.depth_scale_mm));
+                });
+  doubts.Report(options.on_warning);
   std::optional<Runner> runner;
   std::vector<DatasetEstimate> estimates;
   ForEachTarget(root, split, targets,
@@ -265,8 +287,7 @@ std::vector<DatasetEstimate> EstimateDataset(
                     const ImageTargets& image_targets, const RgbdFrame& frame) {
                   const bool sees = HasReadings(frame.depth_m);
                   if (!runner && sees) {
-                    runner.emplace(root, options, ObjectsOf(targets, models, options.task), models,
-                                   frame, on_progress);
+                    runner.emplace(std::move(objects), options, frame, on_progress);
                   }
                   Rng rng = RngOf(options, place);
                   if (sees) runner->Run(frame, image, image_targets, place, rng, estimates);
@@ -288,7 +309,7 @@ ExplanationPage ExplainTarget(
   const std::map<int, DatasetModelInfo> models = ReadModelsInfo(root / "models", ThrowFault);
   const SplitTargets targets = TargetsOf(root, split);
   const DatasetEstimate place = NamedTarget(targets, image);
-  Runner runner(root, options, ObjectsOf(targets, models, options.task), models,
+  Runner runner(LoadDatasetObjects(root, ObjectsOf(targets, models, options.task), models), options,
                 FirstFrame(root, split, targets), on_progress);
   const SceneTruth scene =
       ReadSceneTruth(root / split / SceneFolderName(place.scene_id), place.scene_id, ThrowFault);

@@ -11,6 +11,7 @@
 #include "eval/bop/results_csv.h"
 #include "eval/explain/explain.h"
 #include "scenes/bin/bin.h"
+#include "scenes/scenario/region_spec.h"
 #include "scenes/scenario/scenario_spec.h"
 
 namespace pickbed::eval {
@@ -30,8 +31,10 @@ struct EstimateDatasetOptions {
   // Bin in all images whose camera pose is known, at the origin of the world frame, as in data sets
   // of `pickbed dataset make`. nullopt: unknown, as in BOP.
   std::optional<Bin> bin = {};
-  // Called with one line when such an estimator failed, and at the end if the estimator recognised
-  // no background in some images. May be empty.
+  // Region of interest in each image. A box in the world frame needs images with a camera pose.
+  RegionSpec region = {};
+  // Called with one line for each kind of doubtful images (CheckFrame), when such an estimator
+  // failed, and at the end if the estimator recognised no background in some images. May be empty.
   std::function<void(const std::string& line)> on_warning = {};
 };
 
@@ -46,7 +49,8 @@ struct EstimateDatasetProgress {
 // cameras, meshes, the bin of the options and, in localisation, these counts. It gets no other
 // ground truth. `on_progress` is called while codebooks are built and after each image. Throws
 // InputError for an unknown estimator, the oracle (it would need ground truth) and a broken data
-// set, always before the first image is processed.
+// set, or if CheckFrame() finds an error in every image. It always throws before the first image is
+// processed.
 std::vector<DatasetEstimate> EstimateDataset(
     const std::filesystem::path& root, const std::string& split,
     const EstimateDatasetOptions& options,

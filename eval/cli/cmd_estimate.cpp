@@ -10,6 +10,8 @@
 #include "eval/bop/layout.h"
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/cli/image/cmd_estimate_image.h"
+#include "eval/estimate/image_poses.h"
 #include "eval/estimate/report.h"
 #include "eval/explain/explain.h"
 #include "eval/runtime/process.h"
@@ -185,6 +187,7 @@ struct BopArguments {
   std::string split = "test";
   std::string task = kLocalisation;
   bool without_cell = false;
+  std::string roi;
 };
 
 // Returns the bin of a data set that `pickbed dataset make` wrote; nullopt for others.
@@ -206,8 +209,18 @@ std::filesystem::path BopFolder(const BopArguments& bop, const std::string& out,
   return OutFolder(out, DataSetName(bop.path), what + task);
 }
 
-// Returns the scenario settings that apply to existing images: estimator, refiner and seed.
+// Returns the scenario settings that apply to existing images: estimator, refiner, roi and seed.
 // `min_score` is the default of that setting.
+ScenarioSpec ImageSettings(const ScenarioRequest& arguments, double min_score) {
+  ScenarioSpec spec;
+  spec.estimator.min_score = min_score;
+  for (const std::string& setting : arguments.settings) {
+    ApplySetting(setting, [&](SettingsVisitor& v) { spec.Visit(v); });
+  }
+  spec.roi.Validate("setting roi");
+  return spec;
+}
+
 ScenarioSpec BopSettings(const BopArguments& bop, const ScenarioRequest& arguments,
                          double min_score) {
   CheckInput(arguments.scenario.empty() && !arguments.trials,
@@ -215,11 +228,8 @@ ScenarioSpec BopSettings(const BopArguments& bop, const ScenarioRequest& argumen
   CheckInput(std::filesystem::is_directory(bop.path),
              fmt::format("--bop {}: is no folder; give a folder with models/ and {}/", bop.path,
                          bop.split));
-  ScenarioSpec spec;
-  spec.estimator.min_score = min_score;
-  for (const std::string& setting : arguments.settings) {
-    ApplySetting(setting, [&](SettingsVisitor& v) { spec.Visit(v); });
-  }
+  ScenarioSpec spec = ImageSettings(arguments, min_score);
+  if (!bop.roi.empty()) spec.roi = ParseRegion(bop.roi);
   return spec;
 }
 
@@ -235,6 +245,7 @@ int ExplainBop(const BopArguments& bop, const ScenarioRequest& arguments,
     ProgressLine progress;
     EstimateDatasetOptions options{spec.estimator, spec.refiner, spec.seed, kThreads, TaskOf(bop)};
     options.bin = StoredBin(bop);
+    options.region = spec.roi;
     page = ExplainTarget(
         bop.path, bop.split, options, image, folder, [&](const EstimateDatasetProgress& state) {
           progress.Show(fmt::format("{}: {}", state.what, WholePercentText(state.share)));
@@ -261,6 +272,7 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
     EstimateDatasetOptions options{spec.estimator, spec.refiner, spec.seed, threads, TaskOf(bop)};
     options.log_dir = folder / kLogsFolder;
     options.bin = StoredBin(bop);
+    options.region = spec.roi;
     options.on_warning = [&](const std::string& line) { progress.Note(line); };
     estimates =
         EstimateDataset(bop.path, bop.split, options, [&](const EstimateDatasetProgress& state) {
@@ -282,16 +294,24 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
 
 int EstimateCommand(int argc, char** argv) {
   CLI::App app(
-      "Fills bins, estimates poses and scores them against ground truth, without picking. Compares "
-      "several estimators on the same bins. With --bop, estimates poses in the images of a BOP "
-      "dataset and writes them as a BOP results file.",
+      fmt::format(
+          "Fills bins, estimates poses and scores them against ground truth, without picking. "
+          "Compares several estimators on the same bins. With --bop, estimates poses in the images "
+          "of a BOP dataset and writes them as a BOP results file. With an image, estimates poses "
+          "in it and writes {}, {} and {}.",
+          kOverlayFile, kPosesJsonFile, kPosesCsvFile),
       "pickbed estimate");
   ScenarioRequest arguments;
   std::vector<std::string> estimators, tolerance;
   BopArguments bop;
+  ImageArguments image;
   std::string out, explained;
   AddScenarioArguments(app, arguments);
-  app.get_option("SCENARIO")->required(false);
+  app.get_option("SCENARIO")
+      ->required(false)
+      ->description(
+          "scenario file, name of a preset (see pickbed list presets), or an image: a colour image "
+          "with --depth, a depth image or an organised cloud");
   auto* bop_option =
       app.add_option("--bop", bop.path, "folder of a BOP dataset; replaces SCENARIO");
   app.add_option("--split", bop.split, "scene folder of the BOP dataset")
@@ -304,6 +324,11 @@ int EstimateCommand(int argc, char** argv) {
       ->check(CLI::IsMember({kLocalisation, kDetection}))
       ->capture_default_str()
       ->needs(bop_option);
+  app.add_option("--roi", bop.roi,
+                 "region of interest of --bop and IMAGE: auto, world:X,Y,Z,X,Y,Z or "
+                 "camera:X,Y,Z,X,Y,Z (two corners of a box, m), or a mask image; a SCENARIO has "
+                 "the setting roi");
+  AddImageArguments(app, image);
   app.add_flag("--without-cell", bop.without_cell,
                "do not use the bin and the camera poses that `pickbed dataset make` stored; table, "
                "floor and bin are then looked for in each image")
@@ -327,7 +352,9 @@ int EstimateCommand(int argc, char** argv) {
       "Example: pickbed estimate bin_rod --trials 20 --estimator "
       "descriptor:accurate,ppf,kehl=kehl.pt\n"
       "         pickbed estimate bin_rod --explain 3\n"
-      "         pickbed estimate --bop bop/ycbv --set estimator.name=ppf");
+      "         pickbed estimate --bop bop/ycbv --set estimator.name=ppf\n"
+      "         pickbed estimate color.png --depth depth.png --intrinsics 615,615,320,240 --mesh "
+      "cup.ply --estimator ppf");
   if (!ParseArguments(app, argc, argv)) return 0;
   const bool explain = app.count("--explain") > 0;
   CheckInput(tolerance.empty() || (bop.path.empty() && !explain),
@@ -337,7 +364,18 @@ int EstimateCommand(int argc, char** argv) {
                    : EstimateBop(bop, arguments, estimators, out, threads);
   }
   CheckInput(!arguments.scenario.empty(),
-             "give a SCENARIO or --bop PATH; see pickbed estimate --help");
+             "give a SCENARIO, an image or --bop PATH; see pickbed estimate --help");
+  if (IsImage(arguments, image)) {
+    CheckInput(!explain && estimators.size() < 2 && tolerance.empty(),
+               "an image takes one --estimator and neither --explain nor --tolerance");
+    const ScenarioSpec settings = ImageSettings(arguments, EstimatorSpec().min_score);
+    const EstimatorSpec estimator =
+        NamedEstimators(arguments, estimators, settings.estimator).front().spec;
+    return EstimateImage(arguments, image, estimator, settings, bop.roi, out, threads);
+  }
+  CheckInput(bop.roi.empty(), "--roi applies to --bop and images; a SCENARIO has the setting roi");
+  CheckInput(image.intrinsics.empty() && image.objects.empty() && image.depth_scale_mm == 0,
+             "--intrinsics, --object and --depth-scale apply to an image; give one");
   if (explain) return ExplainScenario(arguments, estimators, explained, out);
   return EstimateScenario(arguments, estimators, tolerance, out, threads);
 }

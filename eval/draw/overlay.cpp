@@ -39,6 +39,21 @@ Stroke TargetStroke(const OverlayStyle& style) {
   return {kTargetColor, LineStyle::kSolid, style.line_px + 1, 2};
 }
 
+Stroke RegionStroke(const OverlayStyle& style) {
+  return {kTargetColor, LineStyle::kDashed, std::max(1, style.line_px / 2), 1};
+}
+
+// Darkens what is outside of the region of interest and draws the edges of its box.
+void DrawRegion(const OverlayInput& input, const OverlayStyle& style, Canvas& canvas) {
+  constexpr double kDarkness = 0.55;
+  canvas.Blend({0, 0, 0}, [&](int x, int y) {
+    return input.region->Contains(x, y) && (*input.region)(x, y) != 0 ? 0.0 : kDarkness;
+  });
+  std::vector<Polyline> lines;
+  for (const auto& [a, b] : input.region_lines) lines.push_back({a, b});
+  DrawCurves(canvas, lines, RegionStroke(style));
+}
+
 Stroke HandStroke(int line_px) { return {kHandLine, LineStyle::kSolid, line_px, 1}; }
 
 // Rectangles of labels that are already placed.
@@ -224,6 +239,7 @@ std::vector<KeyEntry> OverlayKey(const OverlayInput& input, const OverlayStyle& 
   if (chosen) {
     line("pose of the grasp", {kUnjudgedColor, LineStyle::kSolid, 2 * style.line_px + 1, 1});
   }
+  if (input.region != nullptr) line("region of interest: bright", RegionStroke(style));
   if (input.hand) line("hand", HandStroke(std::max(1, style.line_px / 2)));
   if (!input.poses.empty()) key.push_back({"number: score of the pose"});
   return key;
@@ -231,6 +247,7 @@ std::vector<KeyEntry> OverlayKey(const OverlayInput& input, const OverlayStyle& 
 
 Image<Rgb8> DrawOverlay(const OverlayInput& input, const OverlayStyle& style) {
   Canvas canvas(input.picture);
+  if (input.region != nullptr) DrawRegion(input, style, canvas);
   if (input.ids != nullptr) {
     for (const InstanceId instance : input.missed) {
       const Silhouette region =

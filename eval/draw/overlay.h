@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "eval/draw/marks.h"
@@ -45,6 +46,9 @@ struct OverlayInput {
   const Image<uint16_t>* ids = nullptr;
   std::vector<InstanceId> missed = {};  // instances without a right pose
   InstanceId target = kNoInstance;      // the instance that was requested
+  // Region of interest of the picture; what is outside is darkened. Null: none.
+  const Image<uint8_t>* region = nullptr;
+  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> region_lines = {};  // of its box, px
 };
 
 // Effort and size of an overlay.

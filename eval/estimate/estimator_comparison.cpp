@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 
+#include "eval/frames/region.h"
 #include "eval/runtime/process.h"
 #include "eval/summary/result_files.h"
 #include "eval/sweep/attempt_pictures.h"
@@ -190,6 +191,14 @@ class Comparison {
                        OverlayPoses(score.hypotheses)};
     input.ids = &picture.ids;
     input.missed = MissedInstances(score.instances);
+    Image<uint8_t> region_pixels;
+    if (const RegionSpec& roi = job_.spec.roi; !roi.empty()) {
+      const ImageRegion region =
+          MakeRegion(roi, view.frame, picture.camera.X_CW(), cell_.objects());
+      region_pixels = RegionInPicture(region, view.frame.intrinsics, picture.camera.intrinsics);
+      input.region = &region_pixels;
+      input.region_lines = region.BoxLines(picture.camera.intrinsics);
+    }
     WriteAttemptPictures(PicturesOf(job_.out, trial) / FolderName(row.result.label), 0, view.frame,
                          DrawOverlay(input));
   }

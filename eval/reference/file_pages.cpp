@@ -13,6 +13,7 @@
 #include "eval/completion/training_page.h"
 #include "eval/draw/grasp_sheet.h"
 #include "eval/draw/object_sheet.h"
+#include "eval/estimate/image_poses.h"
 #include "eval/estimate/report.h"
 #include "eval/execution/execution.h"
 #include "eval/execution/report.h"
@@ -173,7 +174,12 @@ ResultPage MeasurementsPage() {
          Csv(kInstancesFile, "one line per estimator and instance in view of each image",
              EstimatedInstancesColumns()),
          Csv("ESTIMATOR_DATASET-SPLIT.csv", "with --bop: results in BOP's format",
-             EstimateColumns())}}}};
+             EstimateColumns())}},
+       {"pickbed estimate IMAGE",
+        "Poses are in the camera frame.",
+        {Plain(kOverlayFile, "the image with the outline and the score of each pose"),
+         Csv(kPosesCsvFile, "one line per pose, highest score first", ImagePosesColumns()),
+         Json(kPosesJsonFile, "the poses with the camera and the warnings", ImagePosesKeys())}}}};
 }
 
 ResultPage BenchmarkPage() {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "eval/frames/region.h"
 #include "eval/trial/oracle_estimator.h"
 #include "perception/candidates/estimate_trace.h"
 #include "perception/icp/final_refinement.h"
@@ -74,7 +75,7 @@ double WorkingDistance_m(const SimulatedCell& cell) {
 
 EstimatorRunner::EstimatorRunner(const SimulatedCell& cell, const ScenarioSpec& spec, int threads,
                                  const Progress& on_progress, const std::filesystem::path& log_dir)
-    : cell_(cell) {
+    : cell_(cell), roi_(spec.roi) {
   RequireNames(spec);
   EstimatorSetup setup;
   for (const ObjectId object : cell.wanted()) setup.objects.push_back(cell.objects()[object]);
@@ -113,6 +114,11 @@ EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, const CellCalib
   EstimatorInput input{frame, calibration.Background(cell_.bin()), trace};
   input.X_WC = calibration.camera.X_WC();
   input.is_first = is_first;
+  std::optional<ImageRegion> region;
+  if (!roi_.empty()) {
+    region = MakeRegion(roi_, frame, calibration.camera.X_CW(), cell_.objects());
+    input.region = &region->pixels;
+  }
   if (count_reachable) {
     input.count_reachable = [&](std::span<const PoseHypothesis> poses, int wanted) {
       std::vector<PoseHypothesis> of_cell(poses.begin(), poses.end());
@@ -125,9 +131,11 @@ EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, const CellCalib
     result = estimator_->Estimate(input, rng);
     UseObjectsOfCell(result.hypotheses);
     KeepThoseInBin(cell_, calibration, result.hypotheses);
+    if (region) KeepPosesIn(*region, frame.intrinsics, cell_.objects(), result.hypotheses);
     if (trace) {
       Renumber(cell_.wanted(), *trace);
       KeepThoseInBin(cell_, calibration, trace->accepted);
+      if (region) KeepPosesIn(*region, frame.intrinsics, cell_.objects(), trace->accepted);
     }
   }
   for (const auto& [stage, value] : result.seconds) seconds["estimate/" + stage] += value;

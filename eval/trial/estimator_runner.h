@@ -64,6 +64,7 @@ class EstimatorRunner {
   void UseObjectsOfCell(std::vector<PoseHypothesis>& hypotheses) const;
 
   const SimulatedCell& cell_;
+  RegionSpec roi_;
   std::unique_ptr<LabelledViewSource> views_;
   std::unique_ptr<PoseEstimator> estimator_;
 };

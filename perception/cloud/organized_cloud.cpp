@@ -32,14 +32,17 @@ void CheckArguments(const RgbdFrame& frame, const CloudOptions& o) {
              fmt::format("normal_window_px is {}: use an odd number in 3..15", o.normal_window_px));
 }
 
-std::vector<Eigen::Vector3f> SparsePoints(const CameraIntrinsics& k, const Image<float>& depth_m) {
+std::vector<Eigen::Vector3f> SparsePoints(const CameraIntrinsics& k, const Image<float>& depth_m,
+                                          const Image<uint8_t>* region) {
   constexpr int kColumns = 80;  // gives some thousands of points, enough to fit planes
   const int stride = std::max(1, k.width() / kColumns);
   std::vector<Eigen::Vector3f> points;
   ForEachDepthPoint(
       k, depth_m,
-      [&](int, int, const Eigen::Vector3d& p_C) { points.push_back(p_C.cast<float>()); }, stride,
-      /*first=*/stride / 2);
+      [&](int u, int v, const Eigen::Vector3d& p_C) {
+        if (region == nullptr || (*region)(u, v) != 0) points.push_back(p_C.cast<float>());
+      },
+      stride, /*first=*/stride / 2);
   return points;
 }
 
@@ -95,7 +98,7 @@ std::vector<BackgroundPlane> PlanesOf(const KnownBackground& background) {
 
 // Fills cloud.foreground, cloud.planes and cloud.wall_height_m.
 void MarkBackground(const std::optional<KnownBackground>& background, const CloudOptions& options,
-                    OrganizedCloud& cloud) {
+                    const Image<uint8_t>* region, OrganizedCloud& cloud) {
   const CameraIntrinsics& k = cloud.intrinsics;
   const double margin = options.background_margin_m;
   if (background) {
@@ -108,7 +111,7 @@ void MarkBackground(const std::optional<KnownBackground>& background, const Clou
     return;
   }
   if (options.min_plane_share < 1) {
-    cloud.planes = FitBackground(SparsePoints(k, cloud.depth_m),
+    cloud.planes = FitBackground(SparsePoints(k, cloud.depth_m, region),
                                  {.margin_m = margin, .min_plane_share = options.min_plane_share});
   }
   cloud.foreground = MarkForeground(
@@ -170,14 +173,22 @@ void CloudOptions::Visit(SettingsVisitor& v) {
 }
 
 OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
-                          const CloudOptions& options) {
+                          const CloudOptions& options, const Image<uint8_t>* region) {
   CheckArguments(frame, options);
+  CheckInput(region == nullptr || (region->width() == frame.depth_m.width() &&
+                                   region->height() == frame.depth_m.height()),
+             "the region of interest has another size than the depth image; give one of its size");
   OrganizedCloud cloud;
   cloud.intrinsics = frame.intrinsics;
   cloud.color = frame.color;
   cloud.edges = FindColorEdges(frame.intrinsics, frame.color);
   cloud.depth_m = FillSinglePixelHoles(frame.depth_m);
-  MarkBackground(background, options, cloud);
+  MarkBackground(background, options, region, cloud);
+  if (region != nullptr) {
+    for (size_t i = 0; i < region->size(); ++i) {
+      cloud.foreground.data()[i] &= region->data()[i] != 0;
+    }
+  }
   cloud.normals_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());
   const PlaneFitOptions fit{.window_px = options.normal_window_px, .band_m = options.fit_band_m};
   FitPlanes(cloud.intrinsics, cloud.foreground, fit, cloud.depth_m, cloud.normals_C);

@@ -60,8 +60,10 @@ struct OrganizedCloud {
 // Preprocesses a frame. With `background` the foreground is what is inside the bin; without it the
 // background planes are fitted. Throws InputError for a frame without depth, for a depth or colour
 // image whose size differs from the intrinsics, and for options out of range.
+// With a `region` of the same size, only pixels where it is not 0 are foreground, and background
+// planes are fitted to these pixels. The others keep their depth, as evidence against poses.
 OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
-                          const CloudOptions& options = {});
+                          const CloudOptions& options = {}, const Image<uint8_t>* region = nullptr);
 
 // Returns the depth with single-pixel holes filled: a pixel without depth and with at least six
 // valid neighbours of eight gets their lower median.

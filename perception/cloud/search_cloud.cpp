@@ -26,6 +26,16 @@ float DepthOf(std::vector<float>& readings, size_t block) {
   return sum / static_cast<float>(count);
 }
 
+Image<uint8_t> BinnedRegion(const Image<uint8_t>& region, int factor) {
+  Image<uint8_t> binned(region.width() / factor, region.height() / factor);
+  for (int y = 0; y < binned.height(); ++y) {
+    for (int x = 0; x < binned.width(); ++x) {
+      binned(x, y) = region(x * factor + factor / 2, y * factor + factor / 2);
+    }
+  }
+  return binned;
+}
+
 }  // namespace
 
 int BinningFor(const CameraIntrinsics& intrinsics, double distance_m, double smallest_diameter_m) {
@@ -83,14 +93,17 @@ RgbdFrame BinnedFrame(const RgbdFrame& frame, int factor) {
 }
 
 OrganizedCloud SearchCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
-                           int factor) {
+                           int factor, const Image<uint8_t>* region) {
   const CameraIntrinsics& k = frame.intrinsics;
   // BuildCloud() refuses images of other sizes than the intrinsics.
   const bool valid = frame.depth_m.width() == k.width() && frame.depth_m.height() == k.height() &&
                      (frame.color.empty() ||
                       (frame.color.width() == k.width() && frame.color.height() == k.height()));
-  if (factor == 1 || !valid) return BuildCloud(frame, background);
-  OrganizedCloud cloud = BuildCloud(BinnedFrame(frame, factor), background);
+  if (factor == 1 || !valid) return BuildCloud(frame, background, {}, region);
+  std::optional<Image<uint8_t>> binned_region;
+  if (region != nullptr) binned_region = BinnedRegion(*region, factor);
+  OrganizedCloud cloud = BuildCloud(BinnedFrame(frame, factor), background, {},
+                                    binned_region ? &*binned_region : nullptr);
   cloud.edges = FindColorEdges(k, frame.color);
   return cloud;
 }

@@ -25,8 +25,9 @@ RgbdFrame BinnedFrame(const RgbdFrame& frame, int factor);
 // Returns the diameter of the smallest of the objects, m.
 double SmallestDiameter_m(const ObjectSet& objects);
 
-// Preprocesses a frame as BuildCloud() does, after binning by `factor`; see BinningFor().
+// Preprocesses a frame as BuildCloud() does, after binning by `factor`; see BinningFor(). A block
+// is in the region if its center pixel is.
 OrganizedCloud SearchCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
-                           int factor);
+                           int factor, const Image<uint8_t>* region = nullptr);
 
 }  // namespace pickbed::perception

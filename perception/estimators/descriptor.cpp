@@ -176,7 +176,7 @@ EstimateResult LearnedEstimator::Estimate(const EstimatorInput& input, Rng& rng)
   OrganizedCloud cloud;
   {
     const StageTimer timer(result.seconds, "cloud");
-    cloud = SearchCloud(input.frame, input.background, binning_);
+    cloud = SearchCloud(input.frame, input.background, binning_, input.region);
   }
   result.has_background = input.background.has_value() || !cloud.planes.empty();
   std::vector<Candidate> candidates;

@@ -45,6 +45,10 @@ struct EstimatorInput {
   // The first image of a run. An answer of the estimator `process` that breaks the protocol then
   // throws InputError, because it is most probably a mistake that all answers have.
   bool is_first = false;
+  // Region of interest, of the size of the depth image: pixels that are not 0. Null = all. Only
+  // these pixels propose poses, and background planes are fitted to them. An estimator that is
+  // another program does not get it. Poses outside are not removed.
+  const Image<uint8_t>* region = nullptr;
 };
 
 // Why an estimator that is another program gave no poses.

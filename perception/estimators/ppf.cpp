@@ -40,8 +40,9 @@ class PpfEstimator : public PoseEstimator {
 
   EstimateResult Estimate(const EstimatorInput& input, Rng&) override {
     EstimateResult result;
-    const OrganizedCloud cloud =
-        Timed(result.seconds, "cloud", [&] { return BuildCloud(input.frame, input.background); });
+    const OrganizedCloud cloud = Timed(result.seconds, "cloud", [&] {
+      return BuildCloud(input.frame, input.background, {}, input.region);
+    });
     result.has_background = input.background.has_value() || !cloud.planes.empty();
     std::vector<PoseHypothesis> found;
     for (size_t object = 0; object < models_.size(); ++object) {

@@ -16,7 +16,7 @@ class VerifiedEstimator : public PoseEstimator {
     OrganizedCloud cloud;
     {
       const StageTimer timer(result.seconds, "cloud");
-      cloud = SearchCloud(input.frame, input.background, setup_.binning);
+      cloud = SearchCloud(input.frame, input.background, setup_.binning, input.region);
     }
     result.has_background = input.background.has_value() || !cloud.planes.empty();
     const std::vector<Candidate> candidates = setup_.source->Find(cloud, rng, result.seconds);

@@ -40,8 +40,8 @@ LoadedScenario FindScenario(const ScenarioRequest& request) {
   LoadedScenario loaded;
   loaded.name = file.stem().string();
   loaded.spec = LoadScenario(file, settings);
-  for (std::string* named :
-       {&loaded.spec.sensor, &loaded.spec.estimator.model, &loaded.spec.estimator.calibration}) {
+  for (std::string* named : {&loaded.spec.sensor, &loaded.spec.estimator.model,
+                             &loaded.spec.estimator.calibration, &loaded.spec.roi.mask}) {
     FindBeside(loaded.spec.folder, *named);
   }
   for (std::string& word : loaded.spec.estimator.command) FindBeside(loaded.spec.folder, word);

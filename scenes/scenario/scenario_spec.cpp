@@ -240,6 +240,9 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
   v.Group(
       "cycle", [this](SettingsVisitor& g) { cycle.Visit(g); },
       "durations that give the number of picks per hour");
+  v.Group(
+      "roi", [this](SettingsVisitor& g) { roi.Visit(g); },
+      "region of interest: poses are only searched and reported in it");
 }
 
 std::vector<std::string> BinNames() { return StemsIn(AssetsDir() / "bins", ".yaml"); }
@@ -288,6 +291,7 @@ void ScenarioSpec::Validate() const {
       !std::all_of(objects.begin(), objects.end(),
                    [](const ObjectSpec& object) { return object.distractor; }),
       At("objects") + ": all objects are distractors; at least one must not be a distractor");
+  roi.Validate(At("roi"));
   std::set<std::string> names;
   for (size_t i = 0; i < objects.size(); ++i) {
     const ObjectSpec& object = objects[i];

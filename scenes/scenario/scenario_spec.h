@@ -19,6 +19,7 @@
 #include "scenes/scenario/occlusion_spec.h"
 #include "scenes/scenario/planner_spec.h"
 #include "scenes/scenario/policy.h"
+#include "scenes/scenario/region_spec.h"
 #include "scenes/scenario/tool_names.h"
 
 namespace pickbed::scenes {
@@ -116,6 +117,7 @@ struct ScenarioSpec {
   OcclusionSpec occlusion;
   CellErrorsSpec cell;
   CycleSpec cycle;
+  RegionSpec roi;                // region of interest of the estimator
   std::filesystem::path folder;  // of the scenario file, for relative paths; not a setting
   KeyPlaces places;              // file and line of each given key; not a setting
 

@@ -82,3 +82,50 @@ truncated_model_is_refused() {
   grep -q "cut.pt" last.err || fail "the file is not named"
   [ "$(wc -l <last.err)" = 1 ] || fail "more than one line"
 }
+
+# _image: makes color.png, depth.png, camera.json and part.ply of one simulated image.
+_image() {
+  expect 0 "$pickbed" dataset make rods.yaml --scenes 1 --views 1 --jobs 1 --set camera.width=320 \
+    --set camera.height=240 --set camera.focal_px=340 --out set
+  cp set/test/000001/rgb/000000.png color.png
+  cp set/test/000001/depth/000000.png depth.png
+  cp set/camera.json set/models/obj_000001.ply .
+  mv obj_000001.ply part.ply
+}
+
+image_gives_overlay_and_poses() {
+  _image
+  local image=(color.png --depth depth.png --intrinsics camera.json)
+  expect 0 "$pickbed" estimate "${image[@]}" --object rod --out poses
+  [ -s poses/overlay.png ] && [ -s poses/poses.json ] || fail "a file is missing"
+  head -1 poses/poses.csv | grep -q '^object,score,r11,.*,tx_m,ty_m,tz_m$' || fail "other columns"
+  [ "$(grep -c '^rod,' poses/poses.csv)" -ge 2 ] || fail "too few poses"
+  expect 0 "$pickbed" estimate "${image[@]}" --object rod --threads 2 --out again
+  diff -r poses again >&2 || fail "a second estimate differs"
+  expect 0 "$pickbed" estimate "${image[@]}" --object rod --roi camera:-9,-9,0.01,9,9,0.02 --out none
+  [ "$(wc -l <none/poses.csv)" = 1 ] || fail "poses outside the region are reported"
+  expect 0 "$pickbed" estimate --bop set --roi camera:-9,-9,0.01,9,9,0.02 --out none
+  [ "$(wc -l <none/descriptor_set-test.csv)" = 1 ] || fail "poses outside the region are reported"
+  expect 0 "$pickbed" estimate rods.yaml --set roi.max_m=[0.001,0.001,0.001] --out none
+  [ "$(wc -l <none/hypotheses.csv)" = 1 ] || fail "poses outside the region are reported"
+}
+
+image_with_bad_files_gets_one_line() {
+  _image
+  local image=(color.png --depth depth.png) k=(--intrinsics camera.json)
+  refused "give the objects to search" "$pickbed" estimate "${image[@]}" "${k[@]}" --out no
+  refused "is a colour image" "$pickbed" estimate color.png "${k[@]}" --mesh part.ply --out no
+  refused "intrinsics of the camera are needed" "$pickbed" estimate "${image[@]}" --mesh part.ply --out no
+  refused "px wide" "$pickbed" estimate "${image[@]}" "${k[@]}" --mesh part.ply --unit cm --depth-scale 0.01 --out no
+  refused "check the unit" "$pickbed" estimate "${image[@]}" "${k[@]}" --mesh part.ply --unit m --out no
+  refused "the median depth would be" "$pickbed" estimate "${image[@]}" "${k[@]}" --mesh part.ply --depth-scale 1000 --out no
+  refused "it has 3 channels" "$pickbed" estimate color.png --depth color.png "${k[@]}" --mesh part.ply --out no
+  refused "principal point" "$pickbed" estimate "${image[@]}" --intrinsics 340,340,640,120 --mesh part.ply --out no
+  refused "is not known; give the box in the camera frame" \
+    "$pickbed" estimate "${image[@]}" "${k[@]}" --object rod --roi world:0,0,0,1,1,1 --out no
+  refused "--estimator ppf, which needs no training" "$pickbed" estimate "${image[@]}" "${k[@]}" --mesh part.ply --out no
+  refused "neither --explain" "$pickbed" estimate "${image[@]}" "${k[@]}" --mesh part.ply --explain 1 --out no
+  refused "a SCENARIO has the setting roi" "$pickbed" estimate rods.yaml --roi auto --out no
+  refused "give only one of a box" "$pickbed" estimate rods.yaml --set roi.automatic=true --set roi.mask=a.png --out no
+  [ ! -e no/poses.csv ] || fail "a refused command left poses"
+}

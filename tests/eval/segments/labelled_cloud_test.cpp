@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "eval/frames/cloud_file.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
@@ -65,7 +66,7 @@ TEST(ReadLabelledCloud, RefusesOtherFilesInOneLine) {
   EXPECT_THAT(error("no cloud"), HasSubstr("DATA"));
   EXPECT_THAT(error(PlaneCloud(kCamera, "x y z tag rgba")), HasSubstr("no field label"));
   EXPECT_THAT(error(PlaneCloud(kCamera).substr(0, 400)), HasSubstr("too short"));
-  EXPECT_THAT(error(PlaneCloud(kCamera, "x y label z rgba")), HasSubstr("field z has TYPE U"));
+  EXPECT_THAT(error(PlaneCloud(kCamera, "x y label z rgba")), HasSubstr("field z has no floats"));
   EXPECT_THAT(error("FIELDS x y z label\nWIDTH 48\nHEIGHT 1\nDATA binary\n"),
               HasSubstr("organised"));
   EXPECT_THAT(error("FIELDS x y z label\nWIDTH 8\nHEIGHT 6\nDATA ascii\n"), HasSubstr("ascii"));

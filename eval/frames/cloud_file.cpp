@@ -1,0 +1,281 @@
+#include "eval/frames/cloud_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <sstream>
+
+#include "eval/frames/ply_rows.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr size_t kFieldBytes = 4;
+constexpr int kMaxSide = 1 << 14;
+
+std::string ExtensionOf(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+// ---- PCD ----
+
+struct PcdHeader {
+  std::vector<std::string> fields;
+  std::vector<std::string> types;  // by field: F, U or I
+  int width = 0, height = 0;
+  std::string data;  // binary or binary_compressed
+  size_t end = 0;    // first byte of the data
+};
+
+PcdHeader ReadPcdHeader(const std::string& bytes, const std::string& name) {
+  PcdHeader header;
+  while (header.data.empty()) {
+    const size_t end = bytes.find('\n', header.end);
+    CheckInput(end != std::string::npos,
+               name + ": the header of a PCD file has no line DATA; give a PCD file");
+    std::istringstream line(bytes.substr(header.end, end - header.end));
+    header.end = end + 1;
+    std::string key, word;
+    line >> key;
+    if (key == "FIELDS") {
+      while (line >> word) header.fields.push_back(word);
+    } else if (key == "TYPE") {
+      while (line >> word) header.types.push_back(word);
+    } else if (key == "SIZE" || key == "COUNT") {
+      const std::string wanted = key == "SIZE" ? "4" : "1";
+      while (line >> word) {
+        CheckInput(word == wanted, fmt::format("{}: {} has {}; only fields with one value of four "
+                                               "bytes are read, so write the cloud with these",
+                                               name, key, word));
+      }
+    } else if (key == "WIDTH") {
+      line >> header.width;
+    } else if (key == "HEIGHT") {
+      line >> header.height;
+    } else if (key == "DATA") {
+      line >> header.data;
+    }
+  }
+  return header;
+}
+
+void RequireLayout(int width, int height, const std::string& name) {
+  CheckInput(width > 1 && height > 1 && width < kMaxSide && height < kMaxSide,
+             fmt::format("{}: the cloud is {}x{}; give an organised cloud, with the width and the "
+                         "height of the image",
+                         name, width, height));
+}
+
+// Returns the values of all fields, field by field.
+std::string PcdFieldBytes(const std::string& bytes, const PcdHeader& header,
+                          const std::string& name) {
+  const size_t points = static_cast<size_t>(header.width) * header.height;
+  const size_t fields = header.fields.size(), size = points * fields * kFieldBytes;
+  if (header.data == "binary_compressed") {
+    uint32_t sizes[2] = {};
+    CheckInput(bytes.size() >= header.end + sizeof(sizes), name + ": the file ends in its header");
+    std::memcpy(sizes, bytes.data() + header.end, sizeof(sizes));
+    CheckInput(sizes[1] == size && bytes.size() - header.end - sizeof(sizes) >= sizes[0],
+               name + ": the data has another size than the header says; get the file again");
+    return DecompressLzf(bytes.substr(header.end + sizeof(sizes), sizes[0]), size, name);
+  }
+  CheckInput(
+      header.data == "binary",
+      fmt::format("{}: DATA is {}; write it as binary or binary_compressed", name, header.data));
+  CheckInput(bytes.size() - header.end >= size, name + ": the file is too short; get it again");
+  std::string by_field(size, '\0');
+  for (size_t i = 0; i < points * fields; ++i) {
+    std::memcpy(&by_field[(i % fields * points + i / fields) * kFieldBytes],
+                &bytes[header.end + i * kFieldBytes], kFieldBytes);
+  }
+  return by_field;
+}
+
+CloudFile ReadPcd(const std::string& bytes, const std::string& name) {
+  const PcdHeader header = ReadPcdHeader(bytes, name);
+  RequireLayout(header.width, header.height, name);
+  const std::string data = PcdFieldBytes(bytes, header, name);
+  const size_t points = static_cast<size_t>(header.width) * header.height;
+  CloudFile cloud{header.width, header.height, {}};
+  for (size_t i = 0; i < header.fields.size(); ++i) {
+    CloudFile::Field field{header.fields[i], i >= header.types.size() || header.types[i] == "F",
+                           std::vector<uint32_t>(points)};
+    std::memcpy(field.words.data(), data.data() + i * points * kFieldBytes, points * kFieldBytes);
+    cloud.fields.push_back(std::move(field));
+  }
+  return cloud;
+}
+
+// ---- PLY ----
+
+CloudFile ReadPly(const std::string& bytes, const std::string& name, const CloudSize& size) {
+  const PlyRows ply = ReadPlyRows(bytes, name);
+  CloudFile cloud{ply.width, ply.height, {}};
+  if (cloud.width == 0 && size.width > 0) {
+    cloud.width = size.width;
+    cloud.height = size.height;
+  }
+  CheckInput(cloud.width > 0,
+             fmt::format("{}: the cloud has {} points but no width and height; write it as an "
+                         "organised cloud, for example as PCD, or give its colour image, too",
+                         name, ply.rows));
+  RequireLayout(cloud.width, cloud.height, name);
+  CheckInput(static_cast<size_t>(cloud.width) * cloud.height == ply.rows,
+             fmt::format("{}: the cloud has {} points, but an image of {}x{} has {}; write all "
+                         "points, also those without a reading",
+                         name, ply.rows, cloud.width, cloud.height,
+                         static_cast<size_t>(cloud.width) * cloud.height));
+  for (size_t i = 0; i < ply.columns.size(); ++i) {
+    CloudFile::Field field{ply.columns[i].name, ply.columns[i].is_float,
+                           std::vector<uint32_t>(ply.rows)};
+    for (size_t row = 0; row < ply.rows; ++row) {
+      const double value = ply.columns[i].values[row];
+      if (field.is_float) {
+        const auto as_float = static_cast<float>(value);
+        std::memcpy(&field.words[row], &as_float, sizeof(as_float));
+      } else {
+        field.words[row] = static_cast<uint32_t>(static_cast<int64_t>(value));
+      }
+    }
+    cloud.fields.push_back(std::move(field));
+  }
+  return cloud;
+}
+
+// ---- frame ----
+
+// Line through value(index): slope and the index of value 0.
+struct Line {
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  void Add(double index, double value) {
+    ++n;
+    x += index;
+    y += value;
+    xx += index * index;
+    xy += index * value;
+  }
+  double Slope() const { return (n * xy - x * y) / (n * xx - x * x); }
+  double Zero() const { return x / n - y / n / Slope(); }
+};
+
+CameraIntrinsics FitIntrinsics(const Image<float>& depth_m, const Image<float>& x_m,
+                               const Image<float>& y_m, const std::string& name) {
+  Line columns, rows;
+  for (int v = 0; v < depth_m.height(); ++v) {
+    for (int u = 0; u < depth_m.width(); ++u) {
+      if (!(depth_m(u, v) > 0)) continue;
+      columns.Add(u, x_m(u, v) / depth_m(u, v));
+      rows.Add(v, y_m(u, v) / depth_m(u, v));
+    }
+  }
+  const double fx = 1 / columns.Slope(), fy = 1 / rows.Slope();
+  CheckInput(columns.n > 2 && std::isfinite(fx) && std::isfinite(fy) && fx > 0 && fy > 0,
+             name +
+                 ": the points have no layout of an image; give an organised cloud in the "
+                 "camera frame");
+  return {depth_m.width(), depth_m.height(), fx, fy, columns.Zero(), rows.Zero()};
+}
+
+Image<float> Coordinate(const CloudFile& cloud, const std::string& key, const std::string& name,
+                        double unit_m) {
+  const CloudFile::Field* field = cloud.Find(key);
+  CheckInput(field != nullptr,
+             fmt::format("{}: the cloud has no field {}; give one with x, y and z", name, key));
+  CheckInput(
+      field->is_float,
+      fmt::format("{}: field {} has no floats (TYPE U or I); write it with TYPE F", name, key));
+  Image<float> image(cloud.width, cloud.height);
+  std::memcpy(image.data(), field->words.data(), image.size() * sizeof(float));
+  for (float& value : image.pixels()) value = static_cast<float>(value * unit_m);
+  return image;
+}
+
+std::optional<Image<Rgb8>> ColorOf(const CloudFile& cloud) {
+  const CloudFile::Field* packed = cloud.Find("rgba");
+  if (packed == nullptr) packed = cloud.Find("rgb");
+  const CloudFile::Field *red = cloud.Find("red"), *green = cloud.Find("green"),
+                         *blue = cloud.Find("blue");
+  const bool separate = red != nullptr && green != nullptr && blue != nullptr && !red->is_float;
+  if (packed == nullptr && !separate) return std::nullopt;
+  Image<Rgb8> color(cloud.width, cloud.height);
+  for (size_t i = 0; i < color.size(); ++i) {
+    if (packed != nullptr) {
+      const uint32_t word = packed->words[i];
+      color.data()[i] = {static_cast<uint8_t>(word >> 16), static_cast<uint8_t>(word >> 8),
+                         static_cast<uint8_t>(word)};
+    } else {
+      color.data()[i] = {static_cast<uint8_t>(red->words[i]), static_cast<uint8_t>(green->words[i]),
+                         static_cast<uint8_t>(blue->words[i])};
+    }
+  }
+  return color;
+}
+
+}  // namespace
+
+const CloudFile::Field* CloudFile::Find(const std::string& name) const {
+  const auto found =
+      std::ranges::find_if(fields, [&](const Field& field) { return field.name == name; });
+  return found == fields.end() ? nullptr : &*found;
+}
+
+bool IsCloudFile(const std::filesystem::path& file) {
+  const std::string extension = ExtensionOf(file);
+  return extension == ".pcd" || extension == ".ply";
+}
+
+CloudFile ReadCloudFile(const std::filesystem::path& file, const CloudSize& size) {
+  const std::string bytes = ReadFileBytes(file);
+  return ExtensionOf(file) == ".ply" ? ReadPly(bytes, file.string(), size)
+                                     : ReadPcd(bytes, file.string());
+}
+
+RgbdFrame FrameOfCloud(const CloudFile& cloud, const std::string& name, double unit_m) {
+  RgbdFrame frame;
+  frame.depth_m = Coordinate(cloud, "z", name, unit_m);
+  for (float& z : frame.depth_m.pixels()) {
+    if (!std::isfinite(z) || z < 0) z = 0;
+  }
+  frame.intrinsics = FitIntrinsics(frame.depth_m, Coordinate(cloud, "x", name, unit_m),
+                                   Coordinate(cloud, "y", name, unit_m), name);
+  if (std::optional<Image<Rgb8>> color = ColorOf(cloud)) frame.color = *std::move(color);
+  return frame;
+}
+
+std::string DecompressLzf(const std::string& bytes, size_t size, const std::string& name) {
+  std::string out;
+  // `size` is from the file. Three bytes give at most 264, so a short block reserves little.
+  out.reserve(std::min(size, 88 * bytes.size()));
+  const auto require = [&](bool ok) {
+    CheckInput(ok, name + ": the compressed data is damaged; get the file again");
+  };
+  for (size_t i = 0; i < bytes.size();) {
+    const auto control = static_cast<uint8_t>(bytes[i++]);
+    if (control < 32) {  // literal run
+      const size_t length = control + 1u;
+      require(i + length <= bytes.size() && out.size() + length <= size);
+      out.append(bytes, i, length);
+      i += length;
+      continue;
+    }
+    size_t length = control >> 5;
+    require(i + (length == 7 ? 2 : 1) <= bytes.size());
+    if (length == 7) length += static_cast<uint8_t>(bytes[i++]);
+    const size_t back = ((control & 31u) << 8) + static_cast<uint8_t>(bytes[i++]) + 1;
+    length += 2;
+    require(back <= out.size() && out.size() + length <= size);
+    for (size_t k = 0; k < length; ++k) out.push_back(out[out.size() - back]);
+  }
+  require(out.size() == size);
+  return out;
+}
+
+}  // namespace pickbed::eval

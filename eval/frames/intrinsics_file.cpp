@@ -1,0 +1,161 @@
+#include "eval/frames/intrinsics_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+#include <vector>
+
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/base/settings_tree.h"
+
+namespace pickbed::eval {
+namespace {
+
+constexpr size_t kMatrixEntries = 9;
+
+// Returns the numbers of a text, separated by commas, spaces and brackets; nullopt if it has other
+// words.
+std::optional<std::vector<double>> NumbersIn(std::string_view text) {
+  constexpr std::string_view kSeparators = " ,;[]\t\r\n";
+  std::vector<double> numbers;
+  while (true) {
+    const size_t begin = text.find_first_not_of(kSeparators);
+    if (begin == std::string_view::npos) return numbers;
+    text.remove_prefix(begin);
+    if (text.front() == '+') text.remove_prefix(1);
+    double number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || !std::isfinite(number)) return std::nullopt;
+    numbers.push_back(number);
+    text.remove_prefix(end - text.data());
+    if (!text.empty() && kSeparators.find(text.front()) == std::string_view::npos) {
+      return std::nullopt;
+    }
+  }
+}
+
+void AddNumbers(const SettingsTree& node, std::vector<double>& numbers) {
+  if (node.kind == SettingsTree::Kind::kList) {
+    for (const SettingsTree& item : node.items) AddNumbers(item, numbers);
+  } else if (const auto found = NumbersIn(node.text)) {
+    numbers.insert(numbers.end(), found->begin(), found->end());
+  }
+}
+
+// Returns the numbers of the first of these keys that the map has. A map with `data`, as ROS and
+// OpenCV write matrices, gives its data.
+std::vector<double> NumbersOf(const SettingsTree& map, const std::vector<const char*>& keys) {
+  std::vector<double> numbers;
+  for (const char* key : keys) {
+    const SettingsTree* node = map.Find(key);
+    if (node == nullptr) continue;
+    if (node->kind == SettingsTree::Kind::kMap) node = node->Find("data");
+    if (node == nullptr) continue;
+    AddNumbers(*node, numbers);
+    return numbers;
+  }
+  return numbers;
+}
+
+std::optional<double> NumberOf(const SettingsTree& map, const std::vector<const char*>& keys) {
+  const std::vector<double> numbers = NumbersOf(map, keys);
+  return numbers.size() == 1 ? std::optional(numbers.front()) : std::nullopt;
+}
+
+void TakeMatrix(const std::vector<double>& k, const std::string& name, GivenIntrinsics& given) {
+  const bool by_columns = k[2] == 0 && k[5] == 0 && k[6] != 0;
+  given.fx = k[0];
+  given.fy = k[4];
+  given.cx = by_columns ? k[6] : k[2];
+  given.cy = by_columns ? k[7] : k[5];
+  const double skew = by_columns ? k[3] : k[1];
+  CheckInput(skew == 0 && k[8] == 1,
+             name + ": the camera matrix is not fx 0 cx 0 fy cy 0 0 1; give such a matrix");
+}
+
+// A depth_scale below this is metres per unit, as RealSense gives it, not BOP's millimetres.
+constexpr double kMinScale_mm = 0.005;
+
+GivenIntrinsics FromMap(const SettingsTree& map, const std::string& name) {
+  GivenIntrinsics given;
+  const std::vector<double> matrix =
+      NumbersOf(map, {"cam_K", "K", "k", "camera_matrix", "intrinsic_matrix"});
+  const auto fx = NumberOf(map, {"fx"}), fy = NumberOf(map, {"fy"});
+  const auto cx = NumberOf(map, {"cx", "ppx"}), cy = NumberOf(map, {"cy", "ppy"});
+  if (matrix.size() == kMatrixEntries) {
+    TakeMatrix(matrix, name, given);
+  } else {
+    const bool is_one_image =
+        fx.has_value() || map.items.empty() || map.items.front().kind != SettingsTree::Kind::kMap;
+    CheckInput(is_one_image,
+               fmt::format("{}: has the cameras of several images ({}, ...); give the camera of "
+                           "this image as FX,FY,CX,CY",
+                           name, map.items.empty() ? "" : map.items.front().key));
+    CheckInput(fx && fy && cx && cy,
+               name + ": has no camera matrix and no fx, fy, cx, cy; give them, in px");
+    given.fx = *fx;
+    given.fy = *fy;
+    given.cx = *cx;
+    given.cy = *cy;
+  }
+  given.width = static_cast<int>(NumberOf(map, {"width", "image_width"}).value_or(0));
+  given.height = static_cast<int>(NumberOf(map, {"height", "image_height"}).value_or(0));
+  given.depth_scale_mm = NumberOf(map, {"depth_scale"});
+  if (given.depth_scale_mm && *given.depth_scale_mm < kMinScale_mm) *given.depth_scale_mm *= 1e3;
+  const std::vector<double> distortion =
+      NumbersOf(map, {"D", "distortion_coefficients", "dist_coeffs", "coeffs"});
+  given.is_distorted = std::ranges::any_of(distortion, [](double c) { return c != 0; });
+  return given;
+}
+
+GivenIntrinsics FromNumbers(const std::vector<double>& numbers, const std::string& name) {
+  GivenIntrinsics given;
+  if (numbers.size() == kMatrixEntries) {
+    TakeMatrix(numbers, name, given);
+    return given;
+  }
+  constexpr size_t kParameters = 4;
+  CheckInput(numbers.size() == kParameters,
+             fmt::format("{}: has {} numbers; give FX,FY,CX,CY in px, or a file with a camera "
+                         "matrix",
+                         name, numbers.size()));
+  given.fx = numbers[0];
+  given.fy = numbers[1];
+  given.cx = numbers[2];
+  given.cy = numbers[3];
+  return given;
+}
+
+}  // namespace
+
+CameraIntrinsics GivenIntrinsics::ForImage(int width_px, int height_px,
+                                           const std::string& name) const {
+  CheckInput((width == 0 || width == width_px) && (height == 0 || height == height_px),
+             fmt::format("{}: the intrinsics are for {}x{} px but the image has {}x{} px; give the "
+                         "intrinsics of this image, or scale fx, fy, cx and cy",
+                         name, width, height, width_px, height_px));
+  const std::string faults = CameraIntrinsics::FaultsOf(width_px, height_px, fx, fy, cx, cy);
+  CheckInput(faults.empty(), name + ": " + faults);
+  CheckInput(cx > -0.5 && cy > -0.5 && cx < width_px && cy < height_px,
+             fmt::format("{}: the principal point ({:.1f}, {:.1f}) is outside the image of {}x{} "
+                         "px; give the intrinsics of this image",
+                         name, cx, cy, width_px, height_px));
+  return {width_px, height_px, fx, fy, cx, cy};
+}
+
+GivenIntrinsics ReadIntrinsics(const std::string& text_or_file) {
+  if (const auto numbers = NumbersIn(text_or_file); numbers && !numbers->empty()) {
+    return FromNumbers(*numbers, "intrinsics " + text_or_file);
+  }
+  std::string text = ReadFileText(text_or_file);
+  if (const auto numbers = NumbersIn(text)) return FromNumbers(*numbers, text_or_file);
+  // OpenCV begins its YAML with a directive that YAML does not have.
+  if (text.starts_with("%YAML")) text.erase(0, std::min(text.size(), text.find('\n')));
+  return FromMap(ReadSettingsTreeText(text, text_or_file), text_or_file);
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,96 @@
+#include "eval/frames/cloud_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+
+#include "eval/frames/ply_rows.h"
+#include "tests/support/error_of.h"
+#include "tests/support/temporary_folder.h"
+
+namespace pickbed::tests {
+namespace {
+
+using ::testing::HasSubstr;
+
+const CameraIntrinsics kCamera(8, 6, 12, 13, 3.6, 2.7);
+
+// A slanted plane with a hole. `size` gives the width and the height of the image.
+std::string PlyCloud(const std::string& size, bool is_ascii) {
+  std::string bytes = "ply\nformat " + std::string(is_ascii ? "ascii" : "binary_little_endian") +
+                      " 1.0\n" + size +
+                      "element vertex 48\nproperty float x\nproperty float y\nproperty double z\n"
+                      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+  for (int v = 0; v < 6; ++v) {
+    for (int u = 0; u < 8; ++u) {
+      Eigen::Vector3d p = BackProject(kCamera, u, v, 0.5 + 0.01 * u);
+      if (u == 3 && v == 2) p.setConstant(std::numeric_limits<double>::quiet_NaN());
+      if (is_ascii) {
+        bytes += std::to_string(p.x()) + " " + std::to_string(p.y()) + " " + std::to_string(p.z()) +
+                 " 16 32 48\n";
+        continue;
+      }
+      const Eigen::Vector2f xy = p.head<2>().cast<float>();
+      bytes.append(reinterpret_cast<const char*>(xy.data()), sizeof(xy));
+      bytes.append(reinterpret_cast<const char*>(&p.z()), sizeof(double));
+      bytes += "\x10\x20\x30";
+    }
+  }
+  return bytes;
+}
+
+TEST(CloudFile, PlyGivesDepthColourAndIntrinsics) {
+  const TemporaryFolder folder;
+  const std::string size = "obj_info num_cols 8\nobj_info num_rows 6\n";
+  for (const bool is_ascii : {false, true}) {
+    const auto file = folder.Write("a.ply", PlyCloud(size, is_ascii));
+    const RgbdFrame frame = FrameOfCloud(ReadCloudFile(file), "a.ply");
+    EXPECT_NEAR(frame.intrinsics.fx(), 12, 1e-2);
+    EXPECT_NEAR(frame.intrinsics.cy(), 2.7, 1e-2);
+    EXPECT_NEAR(frame.depth_m(5, 1), 0.55f, 1e-6);
+    EXPECT_EQ(frame.depth_m(3, 2), 0) << "a hole has no reading";
+    EXPECT_EQ(frame.color(7, 5), (Rgb8{0x10, 0x20, 0x30}));
+    EXPECT_NEAR(FrameOfCloud(ReadCloudFile(file), "a.ply", 1e-3).depth_m(5, 1), 0.55e-3f, 1e-8);
+  }
+}
+
+TEST(CloudFile, CameraElementOfPclGivesTheSize) {
+  std::string bytes = PlyCloud("", true);
+  const size_t at = bytes.find("end_header");
+  bytes.insert(at,
+               "element camera 1\nproperty float view_px\nproperty int viewportx\n"
+               "property int viewporty\n");
+  bytes += "0 8 6\n";
+  const PlyRows rows = ReadPlyRows(bytes, "pcl.ply");
+  EXPECT_EQ(rows.width, 8);
+  EXPECT_EQ(rows.height, 6);
+  EXPECT_EQ(rows.rows, 48u);
+}
+
+TEST(CloudFile, TheImageGivesTheSizeThatTheFileDoesNotHave) {
+  const TemporaryFolder folder;
+  const auto file = folder.Write("a.ply", PlyCloud("", false));
+  EXPECT_THAT(ErrorOf([&] { ReadCloudFile(file); }), HasSubstr("no width and height"));
+  EXPECT_EQ(ReadCloudFile(file, {8, 6}).width, 8);
+  EXPECT_THAT(ErrorOf([&] { ReadCloudFile(file, {9, 6}); }), HasSubstr("48 points"));
+}
+
+TEST(CloudFile, RefusesDamagedFilesInOneLine) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& bytes) {
+    const auto file = folder.Write("b.ply", bytes);
+    return ErrorOf([&] { ReadCloudFile(file, {8, 6}); });
+  };
+  EXPECT_THAT(error("solid"), HasSubstr("no PLY file"));
+  EXPECT_THAT(error("ply\nformat ascii 1.0\n"), HasSubstr("does not end"));
+  EXPECT_THAT(error("ply\nformat binary_big_endian 1.0\nend_header\n"), HasSubstr("big_endian"));
+  EXPECT_THAT(error(PlyCloud("", false).substr(0, 400)), HasSubstr("too short"));
+  EXPECT_THAT(
+      error("ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int i\nend_header\n"),
+      HasSubstr("list"));
+}
+
+}  // namespace
+}  // namespace pickbed::tests

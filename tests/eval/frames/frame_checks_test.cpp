@@ -1,0 +1,161 @@
+#include "eval/frames/frame_checks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "eval/frames/edge_alignment.h"
+#include "eval/frames/frame_files.h"
+#include "eval/frames/image_estimator.h"
+#include "tests/scenes/shapes.h"
+
+namespace pickbed::tests {
+namespace {
+
+using ::testing::HasSubstr;
+
+const CameraIntrinsics kBlocksCamera(320, 240, 340, 340, 159.5, 119.5);
+
+ObjectSet OneCube(double side_m) {
+  auto object = std::make_shared<ObjectModel>();
+  object->name = "box";
+  object->mesh_O = BoxShape(Eigen::Vector3d::Constant(side_m));
+  object->diameter_m = Diameter(object->mesh_O);
+  return {object};
+}
+
+// Blocks of several sizes, 10 cm above a table at 0.8 m, with the colour of their place.
+RgbdFrame Blocks(double depth_factor = 1) {
+  RgbdFrame frame{kBlocksCamera, Image<Rgb8>(320, 240, {60, 60, 60}),
+                  Image<float>(320, 240, static_cast<float>(0.8 * depth_factor))};
+  const int blocks[][4] = {
+      {60, 50, 50, 40}, {170, 40, 70, 30}, {90, 130, 40, 70}, {200, 120, 60, 60}};
+  for (const auto& [left, top, width, height] : blocks) {
+    for (int y = top; y < top + height; ++y) {
+      for (int x = left; x < left + width; ++x) {
+        frame.depth_m(x, y) = static_cast<float>(0.7 * depth_factor);
+        frame.color(x, y) = {200, 180, 90};
+      }
+    }
+  }
+  return frame;
+}
+
+// The colour image moved by (dx, dy) and scaled about the principal point.
+RgbdFrame WithOtherColor(const RgbdFrame& frame, int dx, int dy, double scale) {
+  RgbdFrame other = frame;
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 320; ++x) {
+      const int u =
+          static_cast<int>(std::lround((x - dx - kBlocksCamera.cx()) / scale + kBlocksCamera.cx()));
+      const int v =
+          static_cast<int>(std::lround((y - dy - kBlocksCamera.cy()) / scale + kBlocksCamera.cy()));
+      other.color(x, y) = frame.color.Contains(u, v) ? frame.color(u, v) : Rgb8{60, 60, 60};
+    }
+  }
+  return other;
+}
+
+std::string FirstError(const RgbdFrame& frame, const ObjectSet& objects, double scale_mm = 1) {
+  const std::vector<FrameFinding> findings = CheckFrame(frame, objects, scale_mm);
+  return findings.empty() || !findings.front().is_error ? "no error" : findings.front().text;
+}
+
+TEST(CheckFrame, PlainFrameHasNoFindings) {
+  const std::vector<FrameFinding> findings = CheckFrame(Blocks(), OneCube(0.05), 1);
+  for (const FrameFinding& finding : findings) ADD_FAILURE() << finding.text;
+}
+
+TEST(CheckFrame, HolesOnlyAreAnError) {
+  RgbdFrame frame = Blocks();
+  frame.depth_m = Image<float>(320, 240);
+  EXPECT_FALSE(HasReadings(frame.depth_m));
+  EXPECT_THAT(FirstError(frame, OneCube(0.05)), HasSubstr("no pixel of the depth image"));
+  frame.depth_m(1, 1) = 0.8f;
+  const auto findings = CheckFrame(frame, OneCube(0.05), 1);
+  ASSERT_FALSE(findings.empty());
+  EXPECT_EQ(findings.front().fault, FrameFault::kFewReadings);
+}
+
+TEST(CheckFrame, DepthInAnotherUnitIsSeenByItsRange) {
+  EXPECT_THAT(FirstError(Blocks(1e3), OneCube(0.05), 1000), HasSubstr("instead of 1000"));
+  EXPECT_THAT(FirstError(Blocks(1e-3), OneCube(0.05), 1), HasSubstr("for example 1000 mm"));
+  const auto tenfold = CheckFrame(Blocks(10), OneCube(0.5), 1);
+  ASSERT_FALSE(tenfold.empty());
+  EXPECT_EQ(tenfold.front().fault, FrameFault::kRange);
+  EXPECT_FALSE(tenfold.front().is_error);
+  EXPECT_THAT(tenfold.front().text, HasSubstr("0.1"));
+}
+
+TEST(CheckFrame, MeshInAnotherUnitIsSeenByItsSizeInTheImage) {
+  EXPECT_THAT(FirstError(Blocks(), OneCube(50)), HasSubstr("px wide at 0.8 m"));
+  EXPECT_THAT(FirstError(Blocks(), OneCube(0.005)), HasSubstr("check the unit of its mesh"));
+  const auto small = CheckFrame(Blocks(), OneCube(0.018), 1);
+  ASSERT_FALSE(small.empty());
+  EXPECT_FALSE(small.front().is_error);
+}
+
+TEST(CheckFrame, PrincipalPointOfAnotherImageIsDoubtful) {
+  RgbdFrame frame = Blocks();
+  frame.intrinsics = {320, 240, 340, 340, 300, 119.5};
+  const auto findings = CheckFrame(frame, OneCube(0.05), 1);
+  ASSERT_FALSE(findings.empty());
+  EXPECT_EQ(findings.front().fault, FrameFault::kPrincipalPoint);
+}
+
+TEST(CheckFrame, DepthOfAnotherImageContradictsTheColourEdges) {
+  for (const auto& [dx, dy, scale] :
+       {std::tuple{16, -8, 1.0}, {0, 0, 1.16}, {-24, 12, 1.0}, {0, 0, 0.87}}) {
+    const auto findings = CheckFrame(WithOtherColor(Blocks(), dx, dy, scale), OneCube(0.05), 1);
+    ASSERT_EQ(findings.size(), 1u) << dx << " " << scale;
+    EXPECT_EQ(findings.front().fault, FrameFault::kEdges);
+    const auto found = AlignEdges(WithOtherColor(Blocks(), dx, dy, scale));
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->scale, scale, 0.01);
+    EXPECT_NEAR(found->shift_px.x(), dx, 4);
+    EXPECT_NEAR(found->shift_px.y(), dy, 4);
+  }
+}
+
+TEST(AlignEdges, SaysNothingWithoutEdges) {
+  RgbdFrame frame = Blocks();
+  frame.color = {};
+  EXPECT_FALSE(AlignEdges(frame));
+  frame = Blocks();
+  frame.color = Image<Rgb8>(320, 240, {90, 90, 90});
+  EXPECT_FALSE(AlignEdges(frame));
+  frame = Blocks();
+  frame.depth_m = Image<float>(320, 240, 0.8f);
+  EXPECT_FALSE(AlignEdges(frame));
+}
+
+TEST(AlignEdges, RealFramesFitWhereTheyAre) {
+  const std::filesystem::path data = PICKBED_TEST_DATA;
+  for (const char* frame : {"bop_icbin_mini/test/000001", "bop_icbin_mini/test/000005",
+                            "bop_icbin_mini/test/000007", "bop_ycbv_mini/test/000001"}) {
+    const std::filesystem::path scene = data / frame;
+    if (!std::filesystem::exists(scene)) GTEST_SKIP() << scene << " is absent";
+    const std::string camera = (scene.parent_path().parent_path() / "camera.json").string();
+    for (const auto& entry : std::filesystem::directory_iterator(scene / "rgb")) {
+      const FrameOfFiles read =
+          ReadFrameFiles({entry.path(), scene / "depth" / entry.path().filename(), camera, 0});
+      for (const FrameFinding& finding :
+           CheckFrame(read.frame, OneCube(0.08), read.depth_scale_mm)) {
+        ADD_FAILURE() << frame << ": " << finding.text;
+      }
+      // A planted fault: colour that is 20 px to the right.
+      RgbdFrame moved = read.frame;
+      for (int y = 0; y < moved.color.height(); ++y) {
+        for (int x = 20; x < moved.color.width(); ++x) {
+          moved.color(x, y) = read.frame.color(x - 20, y);
+        }
+      }
+      const auto found = AlignEdges(moved);
+      EXPECT_TRUE(!found || found->fit_here < 0.7) << frame << " " << found->fit_here;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pickbed::tests
