@@ -23,7 +23,7 @@ struct CompletionBenchmarkOptions {
   std::string model = "completion";         // of method network
   std::string sensor = "structured_light";  // profile of the test views
   double min_diameter_px = 60;              // of the shapes in the images
-  double level = 0.4;                       // probability above which a cell is full
+  double level = 0.5;                       // probability above which a cell is full
   int shapes = 2;                           // of each shape family
   int views = 2;                            // of each shape, clean, and as many occluded
   int cells = 64;                           // along each axis of the cube

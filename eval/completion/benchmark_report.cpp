@@ -14,18 +14,21 @@ namespace {
 
 struct MeasureColumn {
   const char* name;
+  const char* heading;
   const char* help;
   const char* unit;
   MeasureOf value;
 };
 constexpr MeasureColumn kMeasures[] = {
-    {"iou", "volume in both over volume in either", "0..1",
+    {"iou", "IoU", "volume in both over volume in either", "0..1",
      [](const CompletionMeasures& m) { return m.iou; }},
-    {"chamfer", "mean distance between the surfaces, both directions, over the diameter", "0..1",
+    {"chamfer", "Surface distance (Chamfer)",
+     "mean distance between the surfaces, both directions, over the diameter", "0..1",
      [](const CompletionMeasures& m) { return m.chamfer; }},
-    {"f_score", "F-score of surface points within 1 % of the diameter", "0..1",
+    {"f_score", "F-score at 1 %", "F-score of surface points within 1 % of the diameter", "0..1",
      [](const CompletionMeasures& m) { return m.f_score; }},
-    {"hidden_found", "share of the hidden true surface within 2 mm", "0..1",
+    {"hidden_found", "Share of the hidden surface within 2 mm",
+     "share of the hidden true surface within 2 mm", "0..1",
      [](const CompletionMeasures& m) { return m.hidden_found; }},
 };
 
@@ -243,7 +246,7 @@ std::string WriteCompletionBenchmark(const std::filesystem::path& folder,
     page.Note(fmt::format("Set {} is skipped: the data folder has no such meshes.", set));
   }
   for (const MeasureColumn& measure : kMeasures) {
-    page.Heading(measure.name);
+    page.Heading(measure.heading);
     page.Paragraph(std::string(measure.help) + ".");
     for (const bool is_occluded : {false, true}) {
       page.Subheading(ConditionName(is_occluded));
