@@ -88,8 +88,8 @@ void RemoveUnmeasured(const Image<float>& depth_m, Image<uint16_t>& labels) {
 std::vector<SegmentationRow> SegmentBins(const ScenarioSpec& spec, const ObjectSet& objects,
                                          const SegmentationOptions& options,
                                          const SegmentationProgress& on_image) {
-  Runner runner(options);
   SimulatedCell cell(spec, objects);
+  Runner runner(options);  // makes the folder, so bad arguments are refused before
   for (int trial = 0; trial < spec.trials; ++trial) {
     const BinIndex bin_index(trial);
     const Scene scene = cell.MakeScene(bin_index).scene;

@@ -52,6 +52,23 @@ class SegmentShapes : public grasp::ShapeSource {
   perception::ObjectSegments segments_;  // of the last image
 };
 
+// Gives the ground truth of an image to the shapes, if there are any, until it is destroyed.
+class TruthOfImage {
+ public:
+  TruthOfImage(SegmentShapes* shapes, const TrueShapes& truth) : shapes_(shapes), truth_(truth) {
+    if (shapes_ != nullptr) shapes_->SetTruth(&truth_);
+  }
+  ~TruthOfImage() {
+    if (shapes_ != nullptr) shapes_->SetTruth(nullptr);
+  }
+  TruthOfImage(const TruthOfImage&) = delete;
+  TruthOfImage& operator=(const TruthOfImage&) = delete;
+
+ private:
+  SegmentShapes* shapes_;
+  TrueShapes truth_;
+};
+
 // Returns the view of one segment: the window of the image around it.
 // - margin: width of the window beyond the segment, as a share of its larger side
 perception::SegmentView ViewOf(const RgbdFrame& frame, const Image<uint16_t>& labels,

@@ -79,11 +79,9 @@ std::vector<Grasp> PlanOnImage(const TrialSetup& setup, const TrueScene& truth,
   int max_grasps = PlanOptions().max_grasps;
   if (setup.options.truth.grasp) max_grasps = setup.options.true_grasps;
   if (!failed.empty() || !earlier.empty()) max_grasps = setup.options.retry_grasps;
-  const TrueShapes true_shapes{truth.scene, truth.objects, view.ids};
-  if (setup.shapes) setup.shapes->SetTruth(&true_shapes);
+  const TruthOfImage given(setup.shapes.get(), {truth.scene, truth.objects, view.ids});
   PlanResult plan =
       setup.planner->Plan(InputOf(setup, view, on.poses, on.graspable, max_grasps, rng_seed));
-  if (setup.shapes) setup.shapes->SetTruth(nullptr);
   record.grasps_rejected = std::move(plan.rejected);
   record.planner_failure = std::move(plan.failure);
   std::vector<Grasp> fresh = failed.WithoutRepetitions(plan.grasps, on.poses, setup.options);

@@ -63,7 +63,6 @@ int SegmentCommand(int argc, char** argv) {
   std::filesystem::path folder;
   const auto choose_folder = [&](const std::string& name) {
     folder = OutFolder(out, name, "-segments");
-    MakeFolder(folder);
     options.pictures = folder / kPicturesFolder;
   };
   if (clouds.empty()) {

@@ -8,6 +8,7 @@
 #include "eval/trial/trial.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/support/error_of.h"
+#include "tests/support/synthetic_depth.h"
 
 namespace pickbed::tests {
 namespace {
@@ -38,6 +39,30 @@ TEST(CompletedShapes, EqualSeedsGiveEqualGrasps) {
   for (size_t i = 0; i < a.attempts.size(); ++i) {
     EXPECT_EQ(a.attempts[i].hashes, b.attempts[i].hashes);
   }
+}
+
+TEST(CompletedShapes, ASuctionCupPicksThem) {
+  ScenarioSpec spec = CubeScenario(2);
+  spec.planner.name = "completed";
+  spec.planner.completion = kTrueShapes;
+  spec.gripper = "cup_20mm_long";
+  EXPECT_EQ(TrialRunner(spec, EasyCube()).Run(BinIndex(0)).instances_cleared, 2);
+}
+
+// A trial that ends with an error must not leave the ground truth of its image behind.
+TEST(CompletedShapes, TheTruthOfAnImageIsForgottenAfterAnError) {
+  SegmentShapes shapes("convexity", kTrueShapes);
+  SyntheticDepth depth(SmallCamera());
+  depth.AddSphere({0.05, 0.02, 0.6}, 0.04);
+  const grasp::PlannerInput input{depth.frame(), Pose::Identity(), std::nullopt, {}, {}, 1, 0};
+  const Scene scene;
+  const Image<uint16_t> ids;
+  try {
+    const TruthOfImage given(&shapes, {scene, EasyCube(), ids});
+    throw InputError("a planner that fails");
+  } catch (const InputError&) {
+  }
+  EXPECT_THAT(ErrorOf([&] { shapes.Shapes(input, 10); }), HasSubstr("truth"));
 }
 
 // A run must not resume with another model.
