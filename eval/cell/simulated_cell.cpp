@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "scenes/base/error.h"
+#include "scenes/scenario/object_pool.h"
 #include "sim/convex/convex_pieces.h"
 #include "sim/drop/fill_counts.h"
 #include "sim/drop/resting_poses.h"
@@ -35,6 +36,8 @@ SimulatedCell::SimulatedCell(const ScenarioSpec& spec, const ObjectSet& objects)
       objects_(WithRestingDirections(WithConvexPieces(objects))) {
   CheckSettings("ScenarioSpec", spec);
   drop_.arrangement = ArrangementFromName(spec.arrangement);
+  entries_ = spec.objects;
+  draw_ = spec.draw;
   for (const ObjectSpec& object : spec.objects) {
     if (!object.distractor) wanted_.push_back(ObjectId(counts_.size()));
     counts_.push_back(object.count);
@@ -92,7 +95,21 @@ void SimulatedCell::AddDeviations(BinIndex bin_index, Scene& scene) const {
 
 CertifiedScene SimulatedCell::MakeScene(BinIndex bin_index) const {
   const ObjectSet objects = TrueObjects(bin_index);
-  CertifiedScene made = pickbed::sim::MakeScene({bin_, objects, counts_, seed_, bin_index}, drop_);
+  const std::vector<int> counts =
+      draw_ > 0 ? CountsInBin(entries_, draw_, seed_, bin_index) : counts_;
+  // The drop gets only the objects of this bin, because its time steps depend on the smallest one.
+  ObjectSet dropped;
+  std::vector<int> dropped_counts;
+  std::vector<ObjectId> ids;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (counts[i] == 0) continue;
+    dropped.push_back(objects[i]);
+    dropped_counts.push_back(counts[i]);
+    ids.push_back(ObjectId(i));
+  }
+  CertifiedScene made =
+      pickbed::sim::MakeScene({bin_, dropped, dropped_counts, seed_, bin_index}, drop_);
+  for (PosedObject& posed : made.scene.objects) posed.object = ids[posed.object];
   AddDeviations(bin_index, made.scene);
   return made;
 }

@@ -103,7 +103,9 @@ class SimulatedCell {
   void AddDeviations(BinIndex bin_index, Scene& scene) const;
 
   uint64_t seed_;
-  std::vector<int> counts_;
+  std::vector<int> counts_;          // in each bin without draw_
+  std::vector<ObjectSpec> entries_;  // of the scenario
+  int draw_ = 0;                     // instances that each bin draws; 0 = all
   std::vector<ObjectId> wanted_;
   Camera camera_;
   Bin bin_;

@@ -14,6 +14,7 @@
 #include "eval/trial/estimator_runner.h"
 #include "scenes/base/error.h"
 #include "scenes/geometry/mass_properties.h"
+#include "scenes/scenario/load_objects.h"
 #include "sim/drop/drop.h"
 #include "sim/render/renderer.h"
 

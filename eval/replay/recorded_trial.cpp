@@ -14,6 +14,7 @@
 #include "scenes/base/error.h"
 #include "scenes/base/ids_format.h"
 #include "scenes/scenario/find_scenario.h"
+#include "scenes/scenario/load_objects.h"
 
 namespace pickbed::eval {
 namespace {

@@ -17,6 +17,7 @@
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
+#include "scenes/scenario/load_objects.h"
 #include "scenes/scenario/scenario_text.h"
 
 namespace pickbed::eval {

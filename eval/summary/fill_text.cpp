@@ -14,6 +14,9 @@ std::string FillText(const ScenarioSpec& spec, const ObjectSet& objects) {
     return fmt::format("A bin of {:.3g} l gets {} of its height.", bin_m3 / kLitre_m3,
                        ObjectsInWords(spec));
   }
+  if (spec.draw > 0) {
+    return fmt::format("A bin of {:.3g} l draws {}.", bin_m3 / kLitre_m3, ObjectsInWords(spec));
+  }
   double objects_m3 = 0;
   int count = 0;
   for (size_t i = 0; i < objects.size(); ++i) {

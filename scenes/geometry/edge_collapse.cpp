@@ -55,9 +55,11 @@ bool Contains(const Eigen::Vector3i& t, int vertex) {
 }  // namespace
 
 EdgeCollapse::EdgeCollapse(std::vector<Eigen::Vector3d> vertices,
-                           std::vector<Eigen::Vector3i> triangles, std::vector<bool> locked)
+                           std::vector<Eigen::Vector3i> triangles, std::vector<bool> locked,
+                           double length_weight)
     : vertices_(std::move(vertices)),
       triangles_(std::move(triangles)),
+      length_weight_(length_weight),
       alive_(triangles_.size(), true),
       locked_(std::move(locked)),
       boundary_(vertices_.size(), false),
@@ -149,7 +151,9 @@ bool EdgeCollapse::KeepsTopology(int from, int to) const {
 
 EdgeCollapse::Candidate EdgeCollapse::MakeCandidate(int from, int to) const {
   const Eigen::Vector4d p = vertices_[to].homogeneous();
-  const double cost = p.dot((quadrics_[from] + quadrics_[to]) * p);
+  const double error = p.dot((quadrics_[from] + quadrics_[to]) * p);
+  const double length2 = (vertices_[to] - vertices_[from]).squaredNorm();
+  const double cost = error + length_weight_ * length2 * length2;
   return {cost, from, to, version_[from], version_[to]};
 }
 

@@ -19,6 +19,8 @@ constexpr double kFirstTolerance_m = 1e-4;
 constexpr double kMaxToleranceShare = 0.02;  // of the bounding box's diagonal
 constexpr double kMinSaving = 0.25;          // share of triangles that a level must save
 constexpr int kDeviationSamples = 2000;      // of each surface
+// Weight of short edges in ReducedMesh(): an edge costs like a deviation of 1/1000 of its length.
+constexpr double kLengthWeight = 1e-6;
 const double kCreaseCosine = std::cos(Radians(40));
 
 // Vertices joined by place and, if there is a texture, by uv. Vertices on texture seams are locked.
@@ -168,7 +170,7 @@ std::vector<MeshLevel> MakeMeshLevels(const TriangleMesh& mesh) {
 
 TriangleMesh ReducedMesh(const TriangleMesh& mesh, double tolerance_m) {
   const Joined joined = Join(mesh);
-  EdgeCollapse collapse(joined.vertices, joined.triangles, joined.locked);
+  EdgeCollapse collapse(joined.vertices, joined.triangles, joined.locked, kLengthWeight);
   collapse.ReduceTo(tolerance_m);
   return Rebuild(mesh, joined, collapse.Triangles());
 }

@@ -15,8 +15,8 @@
 #include "scenes/mesh_io/mesh_io.h"
 #include "scenes/objects/convex_file.h"
 #include "scenes/objects/object_settings.h"
+#include "scenes/objects/sampled_object.h"
 #include "scenes/shape_families/sampled_names.h"
-#include "scenes/shape_families/solid_mesh.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -186,20 +186,6 @@ struct Weight {
   double density_kgpm3 = 0;  // > 0
 };
 
-// Meshes the sampled shape of a name, see sampled_names.h.
-std::shared_ptr<ObjectModel> SampledModel(const std::string& name) {
-  const SampledShape shape = SampleShapeByName(name);
-  auto model = std::make_shared<ObjectModel>();
-  model->name = name;
-  model->mesh_O = MeshOfSolid(shape.solid);
-  model->mesh_O.base_color = SampledColor(shape);
-  model->mass = UniformDensityProperties(model->mesh_O, shape.family->density_kgpm3);
-  model->friction = kSampledFriction;
-  model->diameter_m = Diameter(model->mesh_O);
-  model->mesh_hash = MeshHash(model->mesh_O);
-  return model;
-}
-
 std::shared_ptr<ObjectModel> MakeModel(const std::string& name, const fs::path& mesh_file,
                                        const std::string& unit, const Weight& weight) {
   auto model = std::make_shared<ObjectModel>();
@@ -228,13 +214,14 @@ void VisitObjectSettings(SettingsVisitor& v) { ObjectSettings().Visit(v); }
 
 std::shared_ptr<const ObjectModel> LoadMeshObject(const std::string& name,
                                                   const MeshObjectSpec& spec) {
-  CheckInput(std::isfinite(spec.mass_kg) && spec.mass_kg > 0,
+  CheckInput(std::isfinite(spec.mass_kg) && (spec.mass_kg > 0 || spec.density_kgpm3 > 0),
              "object '" + name + "': mass_kg = " + std::to_string(spec.mass_kg) +
                  " is not positive; give the object's mass in kilograms");
   CheckInput(std::isfinite(spec.friction) && spec.friction > 0,
              "object '" + name + "': friction = " + std::to_string(spec.friction) +
                  " is not positive; 0.5 suits most objects");
-  std::shared_ptr<ObjectModel> model = MakeModel(name, spec.mesh, spec.unit, {spec.mass_kg, 0});
+  std::shared_ptr<ObjectModel> model =
+      MakeModel(name, spec.mesh, spec.unit, {spec.mass_kg, spec.density_kgpm3});
   model->friction = spec.friction;
   model->symmetries_O = spec.symmetries_O;
   return model;
@@ -256,7 +243,9 @@ std::vector<std::string> ObjectCatalog::Names() const {
 }
 
 std::shared_ptr<const ObjectModel> ObjectCatalog::Load(const std::string& name) const {
-  if (IsSampledName(name)) return SampledModel(name);
+  if (IsSampledName(name)) {
+    return std::make_shared<ObjectModel>(SampledObject(name, SampleShapeByName(name)));
+  }
   const std::vector<std::string> names = Names();
   CheckInput(std::binary_search(names.begin(), names.end(), name),
              UnknownNameMessage("object", name, names));

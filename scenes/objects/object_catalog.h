@@ -37,14 +37,16 @@ inline constexpr char kObjectFile[] = "object.yaml";  // in the folder of an obj
 // Properties of an object that is made from a mesh file without a catalog.
 struct MeshObjectSpec {
   std::filesystem::path mesh;
-  std::string unit = "m";  // m, cm, mm, in
-  double mass_kg = 0;      // > 0
+  std::string unit = "m";    // m, cm, mm, in
+  double mass_kg = 0;        // > 0, or else
+  double density_kgpm3 = 0;  // > 0
   double friction = 0.5;
   SymmetrySet symmetries_O;
 };
 
 // Makes an object from a mesh file. Throws InputError when the mesh is missing, has NaN, no faces
-// or no volume, the object is smaller than 3 mm, or mass or friction is not positive.
+// or no volume, the object is smaller than 3 mm, or friction or both mass and density are not
+// positive.
 std::shared_ptr<const ObjectModel> LoadMeshObject(const std::string& name,
                                                   const MeshObjectSpec& spec);
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "scenes/base/error.h"
+#include "scenes/scenario/load_objects.h"
+#include "scenes/scenario/object_pool.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -40,6 +42,7 @@ LoadedScenario FindScenario(const ScenarioRequest& request) {
   LoadedScenario loaded;
   loaded.name = file.stem().string();
   loaded.spec = LoadScenario(file, settings);
+  ExpandObjects(loaded.spec);
   for (std::string* named : {&loaded.spec.sensor, &loaded.spec.estimator.model,
                              &loaded.spec.estimator.calibration, &loaded.spec.roi.mask}) {
     FindBeside(loaded.spec.folder, *named);

@@ -26,7 +26,8 @@ struct LoadedScenario {
   ScenarioSpec spec;
   ObjectSet objects;
 };
-// Loads the scenario file or preset, applies the settings and loads its objects. Sensor, gripper
+// Loads the scenario file or preset, applies the settings, expands pools of objects
+// (object_pool.h) and loads its objects. Sensor, gripper
 // and model files are also searched in the scenario's folder. Throws InputError for an unknown name
 // or a bad value.
 LoadedScenario FindScenario(const ScenarioRequest& request);

@@ -121,11 +121,16 @@ ScenarioSpec Completed(ScenarioSpec spec, const std::filesystem::path& folder,
 
 void ObjectSpec::Visit(SettingsVisitor& v) {
   v.Text("name", name, {},
-         "name of a catalog object, or a new name together with mesh and mass_kg");
+         "name of a catalog object, or a new name together with mesh and mass_kg; "
+         "sampled/FAMILY/0-39 gives 40 sampled shapes");
   v.Integer("count", count, {1, 1000}, "number of dropped instances");
-  v.Text("mesh", mesh, {}, "mesh file, relative to this file; empty = from the catalog");
+  v.Text("mesh", mesh, {},
+         "mesh file, relative to this file; * and ? in its name give all files that match; empty = "
+         "from the catalog");
   v.Text("unit", unit, {"m", "cm", "mm", "in"}, "unit of the mesh coordinates");
   v.Real("mass_kg", mass_kg, {0, 100}, "mass of the object, kg; only with mesh");
+  v.Real("density_kgpm3", density_kgpm3, {0, 30000},
+         "density of a uniform solid, kg/m^3, instead of mass_kg; only with mesh");
   v.Real("friction", friction, {0.01, 2},
          "coefficient of friction against a gripper pad; only with mesh");
   v.RenamedKey("foreign", "distractor");
@@ -206,6 +211,9 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
       "objects", objects.size(), [this](size_t n) { objects.assign(n, ObjectSpec{}); },
       [this](size_t i, SettingsVisitor& item) { objects[i].Visit(item); },
       "objects that are dropped");
+  v.Integer("draw", draw, {0, 10000},
+            "number of instances that each bin draws from all of these, distractors not counted; 0 "
+            "= every bin gets all");
   v.Text("arrangement", arrangement, {"pile", "packed", "heap"},
          "whether instances are poured in, placed apart and upright, or heaped in the center");
   v.Real("fill", fill, {0, 1},
@@ -301,15 +309,30 @@ void ScenarioSpec::Validate() const {
                fmt::format("{} = {}: is listed twice; raise its count instead", At(key + "name"),
                            object.name));
     const std::string mass = fmt::format("{} = {}", At(key + "mass_kg"), object.mass_kg);
-    CheckInput(object.mesh.empty() || object.mass_kg > 0,
+    CheckInput(object.mesh.empty() || object.mass_kg > 0 || object.density_kgpm3 > 0,
                fmt::format("{}: is missing or 0; give mass_kg, the mass of '{}' in kg, "
-                           "because the object is given by a mesh",
+                           "because the object is given by a mesh, or density_kgpm3",
                            At(key + "mass_kg"), object.name));
+    CheckInput(object.mass_kg == 0 || object.density_kgpm3 == 0,
+               fmt::format("{} = {}: mass_kg is given, too; remove one of them",
+                           At(key + "density_kgpm3"), object.density_kgpm3));
+    CheckInput(!object.mesh.empty() || object.density_kgpm3 == 0,
+               fmt::format("{} = {}: '{}' comes from the catalog, which has its mass; remove it or "
+                           "give a mesh",
+                           At(key + "density_kgpm3"), object.density_kgpm3, object.name));
     CheckInput(!object.mesh.empty() || object.mass_kg == 0,
                fmt::format("{}: '{}' comes from the catalog, which has its mass; remove it or give "
                            "a mesh",
                            mass, object.name));
   }
+  CheckInput(draw == 0 || fill == 0,
+             fmt::format("{} = {}: fill chooses the numbers of instances already; remove one of "
+                         "them",
+                         At("draw"), draw));
+  CheckInput(draw == 0 || !occlusion.enabled,
+             fmt::format("{} = {}: an occlusion scenario adds instances one by one; remove draw or "
+                         "set occlusion.enabled: false",
+                         At("draw"), draw));
   CheckInput(fill == 0 || arrangement == "pile",
              fmt::format("{} = {}: only a pile has a fill level; set arrangement: pile", At("fill"),
                          fill));
@@ -370,80 +393,6 @@ ScenarioSpec LoadScenarioText(const std::string& yaml, const std::filesystem::pa
   ScenarioSpec spec;
   spec.places = ReadSettingsText(yaml, name, [&spec](SettingsVisitor& v) { spec.Visit(v); });
   return Completed(std::move(spec), std::filesystem::absolute(folder), name);
-}
-
-namespace {
-
-std::shared_ptr<const ObjectModel> LoadObject(const ScenarioSpec& spec, const ObjectSpec& object,
-                                              const ObjectCatalog& catalog) {
-  if (object.mesh.empty()) return catalog.Load(object.name);
-  MeshObjectSpec mesh_object;
-  mesh_object.mesh = spec.folder / object.mesh;
-  mesh_object.unit = object.unit;
-  mesh_object.mass_kg = object.mass_kg;
-  mesh_object.friction = object.friction;
-  return LoadMeshObject(object.name, mesh_object);
-}
-
-// The two smallest sides of the object's bounding box must fit between the walls. The largest one
-// must fit on the diagonal.
-void RequireFits(const ObjectModel& model, const BinSpec& bin) {
-  Eigen::Vector3d size = MeshBounds(model.mesh_O).size();
-  std::sort(size.data(), size.data() + 3);
-  const Eigen::Vector2d inner = bin.inner_size_m.head<2>();
-  if (size[1] <= inner.minCoeff() && size[2] <= inner.norm()) return;
-  throw InputError(fmt::format(
-      "object '{}' of {:.0f} x {:.0f} x {:.0f} mm is larger than the bin of {:.0f} x {:.0f} mm; "
-      "check its unit or choose a larger bin.inner_size_m",
-      model.name, 1e3 * size[0], 1e3 * size[1], 1e3 * size[2], 1e3 * inner[0], 1e3 * inner[1]));
-}
-
-// Returns the volume of the bin and of a heap above its rim. The heap has sides of 45 degrees, so
-// it is a hipped roof.
-double RoomOf_m3(const BinSpec& bin) {
-  const double length_m = bin.inner_size_m.head<2>().maxCoeff();
-  const double width_m = bin.inner_size_m.head<2>().minCoeff();
-  const double roof_m3 = width_m * width_m * (3 * length_m - width_m) / 12;
-  return bin.inner_size_m.prod() + roof_m3;
-}
-
-// Poured objects leave gaps. Cubes and ellipsoids have the densest random packings and fill less
-// than 0.8 (Donev et al., Science 2004: 0.735; Jiao and Torquato 2011: 0.78). A drop of more fails
-// for every seed, after minutes.
-void RequireRoom(const ScenarioSpec& spec, const ObjectSet& objects) {
-  constexpr double kDensestScene = 0.8;
-  double instances_m3 = 0;
-  size_t largest = 0;
-  const auto volume_m3 = [&](size_t i) {
-    return spec.objects[i].count * objects[i]->mass.volume_m3;
-  };
-  for (size_t i = 0; i < objects.size(); ++i) {
-    instances_m3 += volume_m3(i);
-    if (volume_m3(i) > volume_m3(largest)) largest = i;
-  }
-  const double room_m3 = kDensestScene * RoomOf_m3(spec.bin);
-  if (instances_m3 <= room_m3) return;
-  throw InputError(
-      fmt::format("{} = {}: all instances together are {:.3g} l, a heap in this bin holds {:.3g} l "
-                  "at most; lower the count, check the objects' unit or choose a larger bin",
-                  spec.At(fmt::format("objects.{}.count", largest)), spec.objects[largest].count,
-                  1e3 * instances_m3, 1e3 * room_m3));
-}
-
-}  // namespace
-
-ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog) {
-  ObjectSet objects;
-  for (size_t i = 0; i < spec.objects.size(); ++i) {
-    const ObjectSpec& object = spec.objects[i];
-    const char* key = object.mesh.empty() ? "name" : "mesh";
-    WithSettingsKey(spec, fmt::format("objects.{}.{}", i, key), [&] {
-      objects.push_back(LoadObject(spec, object, catalog));
-      RequireFits(*objects.back(), spec.bin);
-    });
-  }
-  if (spec.fill == 0) RequireRoom(spec, objects);
-  return objects;
 }
 
 Bin BinOf(const ScenarioSpec& spec) {

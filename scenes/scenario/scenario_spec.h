@@ -25,15 +25,18 @@
 namespace pickbed::scenes {
 
 // An object and its number of instances. It is either a name of the catalog, or an own name with
-// `mesh`, `unit` and `mass_kg`.
+// `mesh`, `unit`, and `mass_kg` or `density_kgpm3`. A range of seeds in the name of a sampled shape
+// gives several objects, and so does a pattern with * or ? in the file name of the mesh, see
+// scenes/scenario/object_pool.h.
 struct ObjectSpec {
   std::string name;
   int count = 1;
-  std::string mesh;         // path, relative to the scenario file; empty = from the catalog
-  std::string unit = "m";   // of the mesh
-  double mass_kg = 0;       // only with a mesh
-  double friction = 0.5;    // against a gripper pad; only with a mesh
-  bool distractor = false;  // in the bin, but unknown to the estimator and not wanted
+  std::string mesh;          // path, relative to the scenario file; empty = from the catalog
+  std::string unit = "m";    // of the mesh
+  double mass_kg = 0;        // only with a mesh
+  double density_kgpm3 = 0;  // of a uniform solid, instead of the mass; only with a mesh
+  double friction = 0.5;     // against a gripper pad; only with a mesh
+  bool distractor = false;   // in the bin, but unknown to the estimator and not wanted
   void Visit(SettingsVisitor& v);
 };
 
@@ -102,6 +105,9 @@ struct ScenarioSpec {
   double stop_width = 0;
   BinSpec bin;
   std::vector<ObjectSpec> objects;
+  // Number of wanted instances that each bin draws from all instances of the objects, without
+  // repetition; 0 = every bin gets all. Distractors keep their counts.
+  int draw = 0;
   std::string arrangement = "pile";  // pile | packed | heap, see sim/drop/drop.h
   // Mean height of the pile over the inner height of the bin. The counts of the objects are then
   // relative, and sim/drop/fill_counts.h finds the numbers of instances. 0 = the counts are used.
@@ -153,10 +159,6 @@ ScenarioSpec LoadScenario(const std::filesystem::path& file,
 // Same for the text of a file in `folder`; errors use `name` as the file name.
 ScenarioSpec LoadScenarioText(const std::string& yaml, const std::filesystem::path& folder,
                               const std::string& name);
-
-// Loads each object. Throws InputError when an object is unknown, broken or larger than the bin, or
-// when, without `fill`, the volume of all instances exceeds the volume of a heap in the bin.
-ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog);
 
 std::vector<std::string> BinNames();  // names in assets/bins, sorted
 

@@ -28,6 +28,7 @@ ScenarioSpec ScenarioOfText(const std::string& text, const std::filesystem::path
 
 std::string ObjectsInWords(const ScenarioSpec& spec) {
   const bool filled = spec.fill > 0;
+  if (spec.draw > 0) return fmt::format("{} of {} objects", spec.draw, spec.objects.size());
   std::string words;
   for (const ObjectSpec& object : spec.objects) {
     if (!words.empty()) words += filled ? " : " : ", ";

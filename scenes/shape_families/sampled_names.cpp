@@ -25,6 +25,13 @@ std::vector<std::string> SplitAtSlashes(const std::string& text) {
   }
 }
 
+// Returns whether the text is a whole number, and parses it.
+bool ParseSeed(const std::string& digits, uint64_t& seed) {
+  const char* last = digits.data() + digits.size();
+  const auto [end, error] = std::from_chars(digits.data(), last, seed);
+  return error == std::errc() && end == last;
+}
+
 bool IsDomain(const std::string& what) {
   return what == ShapeDomainName(ShapeDomain::kMachine) ||
          what == ShapeDomainName(ShapeDomain::kSupermarket);
@@ -56,10 +63,30 @@ SampledShape SampleShapeByName(const std::string& name) {
                          name));
   const std::string& digits = fields.back();
   uint64_t seed = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), seed);
-  CheckInput(error == std::errc() && end == digits.data() + digits.size(),
+  CheckInput(ParseSeed(digits, seed),
              fmt::format("object '{}': the seed '{}' is not a whole number", name, digits));
   return SampleShapeOf(fields[1], fields.size() == 4 ? fields[2] : "seen", seed);
+}
+
+std::vector<std::string> SampledNamesIn(const std::string& name) {
+  const size_t slash = name.rfind('/');
+  const size_t dash = name.find('-', slash == std::string::npos ? 0 : slash);
+  // "sampled/cup/-1" is a malformed seed, not a range.
+  if (!IsSampledName(name) || dash == std::string::npos || dash == slash + 1) return {name};
+  uint64_t first = 0, last = 0;
+  CheckInput(
+      ParseSeed(name.substr(slash + 1, dash - slash - 1), first) &&
+          ParseSeed(name.substr(dash + 1), last) && first <= last,
+      fmt::format("object '{}': '{}' is not a range of seeds; write FIRST-LAST, such as 0-39", name,
+                  name.substr(slash + 1)));
+  CheckInput(last - first < static_cast<uint64_t>(kMaxSampledShapes),
+             fmt::format("object '{}': the range has more than {} seeds; make it smaller", name,
+                         kMaxSampledShapes));
+  std::vector<std::string> names;
+  for (uint64_t seed = first; seed <= last; ++seed) {
+    names.push_back(fmt::format("{}/{}", name.substr(0, slash), seed));
+  }
+  return names;
 }
 
 Rgb8 SampledColor(const SampledShape& shape) {

@@ -6,8 +6,7 @@
 
 #include "scenes/base/error.h"
 #include "scenes/geometry/symmetry_finder.h"
-#include "scenes/shape_families/sampled_names.h"
-#include "scenes/shape_families/solid_mesh.h"
+#include "scenes/objects/sampled_object.h"
 #include "sim/convex/convex_hull.h"
 
 namespace pickbed::sim {
@@ -104,10 +103,10 @@ ObjectRecord MakeSampledObject(const SampledShape& shape) {
     record.help += fmt::format("{}{} {:.4g}", i == 0 ? "; " : ", ",
                                shape.family->parameters[i].name, shape.values[i]);
   }
-  record.mesh_O = MeshOfSolid(shape.solid);
-  record.mesh_O.base_color = SampledColor(shape);
+  ObjectModel model = SampledObject(shape.family->name, shape);
+  record.mesh_O = std::move(model.mesh_O);
   record.density_kgpm3 = shape.family->density_kgpm3;
-  record.friction = kSampledFriction;
+  record.friction = model.friction;
   record.convex_pieces_O = FitConvexPieces(record.mesh_O).pieces;
   record.symmetries_O = FindSymmetries(record.mesh_O);
   return record;

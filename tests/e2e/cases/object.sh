@@ -67,6 +67,15 @@ sampled_shapes_are_objects() {
   refused "--seed" "${sample[@]}" ring --seed -1 --out x
 }
 
+families_are_drawn_on_one_sheet() {
+  expect 0 "$pickbed" object families --seed 1 --out sheet.png
+  [ "$(head -c 4 sheet.png | tail -c 3)" = PNG ] || fail "no picture"
+  expect 0 "$pickbed" object families --seed 1 --out again.png
+  same sheet.png again.png
+  expect 0 "$pickbed" object families --seed 2 --out other.png
+  ! cmp -s sheet.png other.png || fail "another seed gave the same shapes"
+}
+
 invalid_meshes_are_refused() {
   local add=("$pickbed" object add) name=(--name x --drops 5)
   brick 1 | sed 's/^v 30 20 10$/v nan 20 10/' >nan.obj

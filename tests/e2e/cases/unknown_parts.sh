@@ -19,6 +19,33 @@ segment_refuses_bad_input_in_one_line() {
   mkdir clouds
   expect 1 "$pickbed" segment --clouds clouds --out bad
   grep -q "no \*.pcd" last.err || fail "an empty folder is not reported"
+  expect 1 "$pickbed" segment small.yaml --set sensor=none --out bad
+  [ ! -e bad ] || fail "a refused command made its folder"
+}
+
+# Each bin draws its own objects. The results folder names them, so that all commands find them.
+bins_draw_objects_from_a_pool() {
+  cat >pool.yaml <<'YAML'
+seed: 3
+trials: 3
+objects: [{name: sampled/machine/unseen_families/0-5, count: 1}]
+draw: 2
+YAML
+  local run=("$pickbed" run pool.yaml --set planner.name=skirt --set policy.max_attempts=2 --pictures 0)
+  expect 0 "${run[@]}" --jobs 1 --bop-out images --out pool_1
+  grep -q "name: sampled/machine/unseen_families/5" pool_1/scenario.yaml || fail "no expanded list"
+  expect 0 "${run[@]}" --jobs 2 --trials 2 --out pool_2
+  expect 0 "${run[@]}" --jobs 2 --resume --out pool_2
+  for file in attempts.csv instances.csv; do
+    [ ! -e "pool_1/$file" ] || same "pool_1/$file" "pool_2/$file"
+  done
+  expect 0 "$pickbed" replay "pool_1#1"
+  expect 0 "$pickbed" report pool_1
+  expect 0 "$pickbed" dataset check images
+  refused "draw = 9" "$pickbed" run pool.yaml --set draw=9 --out bad
+  refused "write FIRST-LAST" "$pickbed" run pool.yaml --set objects.0.name=sampled/cup/5-x --out bad
+  refused "check the pattern" "$pickbed" run pool.yaml --set objects.0.mesh='./*.none' \
+    --set objects.0.mass_kg=1 --out bad
 }
 
 run_picks_on_true_shapes() {

@@ -1,8 +1,12 @@
 #include "eval/cell/simulated_cell.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
+#include "scenes/scenario/object_pool.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/support/error_of.h"
 
@@ -24,6 +28,45 @@ TEST(SimulatedCell, BinOutsideTheSensorRangeIsRefused) {
                              HasSubstr("camera.eye_m")));
   spec.camera.eye_m = {0, -0.3, 4.6};
   EXPECT_THAT(ErrorOf([&] { SimulatedCell(spec, EasyCube()); }), HasSubstr("4.610 m"));
+}
+
+// Physics and image of a bin depend only on what it draws, not on the rest of the pool.
+TEST(SimulatedCell, ADrawnBinEqualsABinOfTheDrawnObjects) {
+  ScenarioSpec spec = CubeScenario(1);
+  ObjectSet pool;
+  spec.objects.assign(6, spec.objects[0]);
+  for (int i = 0; i < 6; ++i) {
+    spec.objects[i].name = fmt::format("cube_{}", i);
+    pool.push_back(Cube(0.012 + 0.006 * i, 0.05, 0.6));  // small ones need short time steps
+  }
+  spec.draw = 3;
+  SimulatedCell cell(spec, pool);
+  std::set<std::vector<int>> drawn;
+  for (int bin = 0; bin < 6; ++bin) {
+    const BinIndex bin_index(bin);
+    const std::vector<int> counts = CountsInBin(spec.objects, 3, spec.seed, bin_index);
+    drawn.insert(counts);
+    ScenarioSpec only = spec;
+    only.draw = 0;
+    only.objects.clear();
+    ObjectSet objects;
+    for (size_t i = 0; i < counts.size(); ++i) {
+      if (counts[i] == 0) continue;
+      only.objects.push_back(spec.objects[i]);
+      objects.push_back(pool[i]);
+    }
+    ASSERT_EQ(objects.size(), 3u);
+    SimulatedCell same(only, objects);
+    const Scene a = cell.MakeScene(bin_index).scene, b = same.MakeScene(bin_index).scene;
+    ASSERT_EQ(a.objects.size(), 3u);
+    for (size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(pool[a.objects[k].object], objects[b.objects[k].object]);
+      EXPECT_EQ(a.objects[k].X_WO.matrix(), b.objects[k].X_WO.matrix());
+    }
+    EXPECT_EQ(cell.Capture(a, bin_index, 0).frame.depth_m.pixels(),
+              same.Capture(b, bin_index, 0).frame.depth_m.pixels());
+  }
+  EXPECT_GT(drawn.size(), 3u);
 }
 
 }  // namespace

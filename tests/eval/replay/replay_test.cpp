@@ -13,6 +13,7 @@
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/mesh_io/mesh_io.h"
+#include "scenes/scenario/load_objects.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"

@@ -6,6 +6,7 @@
 #include "scenes/bin/bin.h"
 #include "scenes/geometry/mesh_query.h"
 #include "scenes/mesh_io/mesh_io.h"
+#include "scenes/scenario/load_objects.h"
 #include "scenes/scenario/scenario_spec.h"
 #include "tests/scenes/shapes.h"
 #include "tests/support/tapered_bin.h"

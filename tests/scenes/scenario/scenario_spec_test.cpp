@@ -5,6 +5,7 @@
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/scenario/load_objects.h"
 #include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {

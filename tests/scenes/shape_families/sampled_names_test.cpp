@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes/objects/object_catalog.h"
+#include "scenes/objects/sampled_object.h"
 #include "tests/support/error_of.h"
 
 namespace pickbed::tests {
@@ -46,6 +47,15 @@ TEST(SampledNames, MalformedNamesAreRefused) {
   EXPECT_THAT(error("sampled/cup/unseen_families/1"), HasSubstr("needs a domain"));
 }
 
+TEST(SampledNames, ARangeOfSeedsGivesAllNames) {
+  EXPECT_THAT(SampledNamesIn("sampled/machine/unseen_families/9-11"),
+              testing::ElementsAre("sampled/machine/unseen_families/9",
+                                   "sampled/machine/unseen_families/10",
+                                   "sampled/machine/unseen_families/11"));
+  EXPECT_THAT(SampledNamesIn("sampled/cup/3"), testing::ElementsAre("sampled/cup/3"));
+  EXPECT_THAT(SampledNamesIn("my-part-0-9"), testing::ElementsAre("my-part-0-9"));
+}
+
 TEST(SampledNames, TheCatalogLoadsThem) {
   const auto ring = ObjectCatalog({}).Load("sampled/ring/2");
   EXPECT_EQ(ring->name, "sampled/ring/2");
@@ -53,6 +63,7 @@ TEST(SampledNames, TheCatalogLoadsThem) {
   EXPECT_NEAR(MeshBounds(ring->mesh_O).size().z(), shape.solid.box_O().sizes().z(), 3e-4);
   EXPECT_NEAR(ring->mass.mass_kg / ring->mass.volume_m3, shape.family->density_kgpm3, 1e-6);
   EXPECT_EQ(ring->mesh_hash, ObjectCatalog({}).Load("sampled/ring/2")->mesh_hash);
+  EXPECT_EQ(ring->mesh_hash, SampledObject("other name", shape).mesh_hash);
 }
 
 }  // namespace
