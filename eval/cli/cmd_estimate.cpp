@@ -14,6 +14,7 @@
 #include "eval/estimate/image_poses.h"
 #include "eval/estimate/report.h"
 #include "eval/explain/explain.h"
+#include "eval/report/completed_shapes.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
 #include "eval/summary/result_files.h"
@@ -156,6 +157,17 @@ int ExplainScenario(const ScenarioRequest& arguments, const std::vector<std::str
   CheckInput(!arguments.trials, "--explain shows one image; remove --trials");
   const BinIndex bin_index = ExplainedBin(image);
   LoadedScenario scenario = FindScenario(arguments);
+  if (CompletesShapes(scenario.spec.planner.name)) {
+    CheckInput(estimators.empty(), fmt::format("planner {} needs no poses; remove --estimator, or "
+                                               "set planner.name to explain an estimator",
+                                               scenario.spec.planner.name));
+    SayWhereExplained(
+        ExplainUnknown(scenario.spec, scenario.objects,
+                       fmt::format("Planner {} on {}, trial {}", scenario.spec.planner.name,
+                                   scenario.name, bin_index),
+                       bin_index, OutFolder(out, scenario.name, "-explain")));
+    return 0;
+  }
   scenario.spec.estimator = ExplainedEstimator(arguments, estimators, scenario.spec.estimator);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-explain");
   ExplanationPage page;
@@ -343,7 +355,9 @@ int EstimateCommand(int argc, char** argv) {
   app.add_option(
       "--explain", explained,
       "write a page with each stage of the estimate for one image instead of scores: number of a "
-      "trial, or SCENE/IMAGE with --bop; results folder is results/NAME-explain, with --bop "
+      "trial, or SCENE/IMAGE with --bop; with a planner that completes shapes, the page shows "
+      "segments, completed shapes and the first pick; results folder is results/NAME-explain, with "
+      "--bop "
       "results/NAME-bop-explain");
   AddTrialsArgument(app, arguments);
   AddToleranceArgument(app, tolerance);

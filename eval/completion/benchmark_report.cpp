@@ -227,15 +227,14 @@ std::string CompletionTableText(const CompletionBenchmark& benchmark) {
   return text;
 }
 
-std::string WriteCompletionBenchmark(const std::filesystem::path& folder,
-                                     const CompletionBenchmark& benchmark,
-                                     const CompletionBenchmarkOptions& options) {
+void AddCompletionBenchmark(const std::filesystem::path& folder,
+                            const CompletionBenchmark& benchmark,
+                            const CompletionBenchmarkOptions& options, HtmlPage& page) {
   MakeFolder(folder);
   WriteFileAtomically(folder / kCompletionTable, TableCsv(benchmark));
   WriteFileAtomically(folder / kCompletionViews, ViewsCsv(benchmark));
   WriteFileAtomically(folder / kCompletionCalibration, CalibrationCsv(benchmark));
   WriteFileAtomically(folder / kCompletionTimings, TimingsCsv(benchmark));
-  HtmlPage page("Shape completion");
   page.Paragraph(fmt::format(
       "Completions of single views with sensor {}, on {}^3 cells. Shapes are at least {:.0f} px "
       "wide, and cells with a probability above {:.2f} are full. Each shape has {} clean and as "
@@ -281,7 +280,6 @@ std::string WriteCompletionBenchmark(const std::filesystem::path& folder,
                      "depth with the segment, the completion from the camera and from its side, "
                      "the truth from the camera and from its side");
   }
-  return WritePage(folder / kIndexPage, page);
 }
 
 }  // namespace pickbed::eval

@@ -7,6 +7,7 @@
 
 #include "eval/completion/benchmark.h"
 #include "eval/metrics/result_columns.h"
+#include "eval/page/html.h"
 
 namespace pickbed::eval {
 
@@ -23,10 +24,10 @@ ResultColumns CompletionViewsColumns();
 ResultColumns CompletionCalibrationColumns();
 ResultColumns CompletionTimingsColumns();
 
-// Writes index.html, its pictures and the CSV files to `folder`, which is created. Returns an empty
-// string, or the reason why the page is missing. Throws InputError if a file cannot be written.
-[[nodiscard]] std::string WriteCompletionBenchmark(const std::filesystem::path& folder,
-                                                   const CompletionBenchmark& benchmark,
-                                                   const CompletionBenchmarkOptions& options);
+// Appends tables and galleries to a page, and writes its pictures and the CSV files to `folder`,
+// which is created. Throws InputError if a file cannot be written.
+void AddCompletionBenchmark(const std::filesystem::path& folder,
+                            const CompletionBenchmark& benchmark,
+                            const CompletionBenchmarkOptions& options, HtmlPage& page);
 
 }  // namespace pickbed::eval

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "eval/draw/outline.h"
 #include "eval/draw/overlay.h"
@@ -19,6 +20,33 @@ Eigen::Vector3f ToUnit(const Rgb8& c) { return {c.r / 255.f, c.g / 255.f, c.b / 
 
 Eigen::Vector4f WithAlpha(const Rgb8& c, double alpha) {
   return {c.r / 255.f, c.g / 255.f, c.b / 255.f, static_cast<float>(alpha)};
+}
+
+// Colors that neighbours in the list do not share.
+Rgb8 SegmentColor(size_t segment) {
+  constexpr std::array<Rgb8, 8> kColors{{{86, 180, 233},
+                                         {230, 159, 0},
+                                         {0, 158, 115},
+                                         {204, 121, 167},
+                                         {240, 228, 66},
+                                         {0, 114, 178},
+                                         {213, 94, 0},
+                                         {150, 150, 200}}};
+  return kColors[segment % kColors.size()];
+}
+
+struct SegmentSurfaces {
+  TriangleMesh completed, possible;
+};
+
+std::vector<SegmentSurfaces> SurfacesOf(const std::vector<grasp::OccupancyShape>& shapes,
+                                        const SceneGlbOptions& options) {
+  std::vector<SegmentSurfaces> surfaces;
+  for (const grasp::OccupancyShape& shape : shapes) {
+    surfaces.push_back({grasp::SurfaceOf(shape, options.completed_level),
+                        grasp::SurfaceOf(shape, options.possible_level)});
+  }
+  return surfaces;
 }
 
 }  // namespace
@@ -62,6 +90,18 @@ std::string SceneGlb(const SceneGlbInput& input, const SceneGlbOptions& options)
   if (input.grasp != nullptr) {
     hand = BoxesMesh(input.gripper->Boxes(input.grasp->width_m));
     glb_parts.push_back({"hand", &hand, input.grasp->X_WG, WithAlpha(kHand, options.hand_alpha)});
+  }
+  const std::vector<SegmentSurfaces> surfaces = SurfacesOf(input.completed, options);
+  for (size_t i = 0; i < surfaces.size(); ++i) {
+    const Pose& X_WV = input.completed[i].X_WV;
+    if (!surfaces[i].completed.triangles.empty()) {
+      glb_parts.push_back({fmt::format("completed {}", i), &surfaces[i].completed, X_WV,
+                           WithAlpha(SegmentColor(i), 1)});
+    }
+    if (!surfaces[i].possible.triangles.empty()) {
+      glb_parts.push_back({fmt::format("possible {}", i), &surfaces[i].possible, X_WV,
+                           WithAlpha(SegmentColor(i), options.possible_alpha)});
+    }
   }
   const bool has_cloud = input.cloud != nullptr && !input.cloud->points_W.empty();
   return GlbBytes(glb_parts, {input.cloud, has_cloud ? 1u : 0u});

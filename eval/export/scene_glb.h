@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "eval/trial/trial.h"
+#include "grasp/completed/occupancy_shape.h"
 #include "grasp/gripper.h"
 #include "scenes/camera/camera.h"
 #include "scenes/camera/rgbd_frame.h"
@@ -39,6 +40,8 @@ struct SceneGlbInput {
   const Gripper* gripper = nullptr;                 // not null if there is a grasp
   const GlbCloud* cloud = nullptr;                  // may be null
   const ObjectSet* true_objects = nullptr;  // of the scene, in their true sizes; null = `objects`
+  // Completed segments of the image.
+  std::vector<grasp::OccupancyShape> completed = {};
 };
 
 // Options of SceneGlb.
@@ -49,11 +52,16 @@ struct SceneGlbOptions {
   double hypothesis_alpha = 0.5;  // opacity, 0..1
   double bin_alpha = 0.3;
   double hand_alpha = 0.8;
+  // Completed segments: the surface at a probability of one half, and the one of possible
+  // matter.
+  double completed_level = 0.5;
+  double possible_level = 0.25;
+  double possible_alpha = 0.25;
 };
 
 // Returns the bytes of a GLB file. Nodes: "bin", "truth INSTANCE OBJECT", "hypothesis RANK OBJECT
-// SCORE", "hand", and the name of the cloud. Hypotheses are colored by their score, see
-// ScoreColor() in eval/draw/overlay.h.
+// SCORE", "hand", "completed SEGMENT", "possible SEGMENT", and the name of the cloud. Hypotheses
+// are colored by their score, see ScoreColor() in eval/draw/overlay.h.
 std::string SceneGlb(const SceneGlbInput& input, const SceneGlbOptions& options = {});
 
 // Returns the observed points of every stride_px-th column and row in frame W, with the image

@@ -4,6 +4,7 @@
 
 #include "eval/benchmark/bins.h"
 #include "eval/benchmark/crops_report.h"
+#include "eval/benchmark/recognition.h"
 #include "eval/bop/layout.h"
 #include "eval/bop/results_csv.h"
 #include "eval/budget/report.h"
@@ -221,7 +222,13 @@ ResultPage BenchmarkPage() {
          Csv(kCompletionViews, "one line per method and view", CompletionViewsColumns()),
          Csv(kCompletionCalibration, "one line per method, set and bin of probability",
              CompletionCalibrationColumns()),
-         Csv(kCompletionTimings, "durations", CompletionTimingsColumns())}}}};
+         Csv(kCompletionTimings, "durations", CompletionTimingsColumns()),
+         Csv(kRecognitionFile,
+             "recognition tables: one line per method, scenario and visible fraction",
+             RecognitionColumns()),
+         Csv(kRecognitionBinsFile,
+             "recognition tables: one line per bin, method and visible fraction",
+             RecognitionBinsColumns())}}}};
 }
 
 ResultFolder DatasetFolder() {

@@ -295,12 +295,7 @@ void AddViews(const ReportContents& contents, HtmlPage& page) {
   page.Note(contents.views_note);
   if (contents.views.empty()) return;
   std::string html = "<div class=\"views screen\">\n";
-  for (const ReportView& view : contents.views) {
-    html += "<div class=\"view\">" + ViewerHtml(view, "camera-orbit=\"25deg 50deg 65%\"") +
-            "<div class=\"controls\">";
-    for (const ViewLayer& layer : ViewLayers()) html += LayerHtml(layer);
-    html += "</div></div>\n";
-  }
+  for (const ReportView& view : contents.views) html += ViewHtml(view);
   page.Html(html + "</div>\n");
 }
 
@@ -318,6 +313,17 @@ void AddScenarios(const std::vector<ShownScenario>& scenarios, HtmlPage& page) {
 }
 
 }  // namespace
+
+std::string ViewHtml(const ReportView& view) {
+  std::string html = "<div class=\"view\">" + ViewerHtml(view, "camera-orbit=\"25deg 50deg 65%\"") +
+                     "<div class=\"controls\">";
+  for (const ViewLayer& layer : ViewLayers()) {
+    // Names in the scene begin with the prefix of their layer.
+    const bool is_shown = view.glb.find(std::string("\"") + layer.prefix) != std::string::npos;
+    if (is_shown || !layer.is_optional) html += LayerHtml(layer);
+  }
+  return html + "</div></div>\n";
+}
 
 std::string ReportPage(const ReportContents& contents) {
   HtmlPage page(contents.title);

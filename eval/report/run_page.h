@@ -33,6 +33,9 @@ struct ReportView {
   std::string glb;  // GLB bytes from eval/report/views_3d.h
 };
 
+// Returns the 3D view with a switch for each layer that it has.
+std::string ViewHtml(const ReportView& view);
+
 // Content of the page.
 struct ReportContents {
   std::string title;

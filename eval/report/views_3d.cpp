@@ -8,16 +8,20 @@
 
 #include "eval/cell/simulated_cell.h"
 #include "eval/export/scene_glb.h"
+#include "eval/report/completed_shapes.h"
 #include "eval/trial/recorded_scene.h"
 #include "grasp/grippers/table.h"
 
 namespace pickbed::eval {
 std::span<const ViewLayer> ViewLayers() {
-  static constexpr std::array<ViewLayer, 5> kLayers{{
+  static constexpr std::array<ViewLayer, 7> kLayers{{
       {"truth", "true poses", "#cdcdd2"},
       {"hypothesis", "estimated poses, low to high confidence",
        "linear-gradient(90deg, #f06c05, #ecece8, #40a0ff)"},
       {"hand", "hand", "#3c424c"},
+      {"completed", "completed segments, each in its color",
+       "linear-gradient(90deg, #56b4e9, #e69f00, #009e73)", true},
+      {"possible", "possible matter", "#cfe6f5", true},
       {"cloud", "measured points", "repeating-radial-gradient(#888 0 1px, #fff 1px 3px)"},
       {"bin", "bin", "#8c96a5"},
   }};
@@ -62,12 +66,13 @@ struct ViewMaker::Impl {
   std::string success_rule;
   SimulatedCell cell;
   ReportOptions options;
+  CompletedShapes shapes;
 };
 
 ViewMaker::ViewMaker(const ScenarioSpec& spec, const ObjectSet& objects,
                      const ReportOptions& options)
     : impl_(new Impl{LoadTools(spec.gripper.names), spec.policy.success,
-                     SimulatedCell(spec, objects), options}) {}
+                     SimulatedCell(spec, objects), options, CompletedShapes(spec)}) {}
 
 ViewMaker::~ViewMaker() = default;
 
@@ -91,7 +96,8 @@ std::string ViewMaker::Glb(const TrialResult& trial, size_t number) {
        .grasp = attempt.grasp ? &*attempt.grasp : nullptr,
        .gripper = &ToolNamed(impl_->tools, attempt.grasp ? attempt.grasp->tool : std::string()),
        .cloud = impl_->options.cloud_points > 0 ? &cloud : nullptr,
-       .true_objects = &true_objects},
+       .true_objects = &true_objects,
+       .completed = impl_->shapes.Of(cell, scene, true_objects, view)},
       options);
 }
 

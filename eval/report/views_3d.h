@@ -18,7 +18,8 @@ namespace pickbed::eval {
 struct ViewLayer {
   const char* prefix;
   const char* name;
-  const char* color;  // CSS
+  const char* color;         // CSS
+  bool is_optional = false;  // only in some views, and hidden in the others
 };
 // Returns all layers.
 std::span<const ViewLayer> ViewLayers();

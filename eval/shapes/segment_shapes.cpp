@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "perception/completion/segment_window.h"
 #include "scenes/base/error.h"
 #include "scenes/geometry/mesh_query.h"
 
@@ -50,22 +51,9 @@ InstanceId InstanceOf(const Image<uint16_t>& labels, int label, const Image<uint
 perception::SegmentView ViewOf(const RgbdFrame& frame, const Image<uint16_t>& labels,
                                const perception::ObjectSegment& segment, int label,
                                const std::optional<perception::FloorPlane>& floor, double margin) {
-  const ImageBox& box = segment.box;
-  const int border = static_cast<int>(std::ceil(margin * std::max(box.width, box.height)));
-  const int x0 = std::max(0, box.x - border), y0 = std::max(0, box.y - border);
-  const int x1 = std::min(labels.width(), box.x + box.width + border);
-  const int y1 = std::min(labels.height(), box.y + box.height + border);
-  perception::SegmentView view;
-  view.intrinsics = frame.intrinsics.Window(x0, y0, x1 - x0, y1 - y0);
-  view.depth_m = Image<float>(x1 - x0, y1 - y0);
-  view.segment = Image<uint8_t>(x1 - x0, y1 - y0);
+  perception::SegmentView view =
+      perception::SegmentWindow(frame.depth_m, frame.intrinsics, labels, segment, label, margin);
   view.floor = floor;
-  for (int y = y0; y < y1; ++y) {
-    for (int x = x0; x < x1; ++x) {
-      view.depth_m(x - x0, y - y0) = frame.depth_m(x, y);
-      view.segment(x - x0, y - y0) = labels(x, y) == label;
-    }
-  }
   return view;
 }
 

@@ -9,6 +9,16 @@
 
 namespace pickbed::perception {
 
+// Proposes raw poses in addition to the votes of patches.
+class PoseProposer {
+ public:
+  virtual ~PoseProposer() = default;
+
+  // Returns raw poses by object index. Adds the time of each stage to `seconds`.
+  virtual std::vector<std::vector<PoseVote>> Propose(const OrganizedCloud& cloud,
+                                                     StageSeconds& seconds) const = 0;
+};
+
 // Finds the candidates of all objects in a cloud.
 class CandidateSource {
  public:

@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::string_view kModes = "modes", kRegressed = "regressed", kBoth = "both";
 
+using RawPoses = std::vector<std::vector<PoseVote>>;  // by object
+
 // Objects with equal patch side. They share the patches of a query and one index.
 struct SideGroup {
   struct Entry {
@@ -92,6 +94,7 @@ struct CandidateFinder::Impl {
   std::vector<ObjectRotations> rotations;  // by object
   std::vector<PoseTargets> targets;        // by object
   std::vector<SideGroup> groups;
+  std::unique_ptr<PoseProposer> proposer;  // may be null
 
   void BuildGroups();
   // Appends the votes of the patches at the pixels; `votes` is by object.
@@ -109,7 +112,12 @@ struct CandidateFinder::Impl {
   // Samples the pixels `visited` and returns candidates from the votes of their patches.
   std::vector<Candidate> Round(const OrganizedCloud& cloud, const std::vector<int>& visited,
                                const SearchEffort& effort, Rng& rng, StageSeconds& seconds,
-                               EstimateTrace* trace) const;
+                               EstimateTrace* trace, const RawPoses& proposed) const;
+  // Refines all proposed poses of an object; their density is measured among the votes `cast`.
+  void AddProposed(const OrganizedCloud& cloud, ObjectId object,
+                   const std::vector<PoseVote>& proposed, const std::vector<PoseVote>& cast,
+                   int patches, StageSeconds& seconds, EstimateTrace* trace,
+                   std::vector<Candidate>& candidates) const;
 };
 
 void CandidateFinder::Impl::BuildGroups() {
@@ -226,8 +234,8 @@ std::vector<PoseVote> CandidateFinder::Impl::ModesOf(ObjectId object,
 std::vector<Candidate> CandidateFinder::Impl::Round(const OrganizedCloud& cloud,
                                                     const std::vector<int>& visited,
                                                     const SearchEffort& effort, Rng& rng,
-                                                    StageSeconds& seconds,
-                                                    EstimateTrace* trace) const {
+                                                    StageSeconds& seconds, EstimateTrace* trace,
+                                                    const RawPoses& proposed) const {
   const int of_all = std::max(options.min_points, options.points / static_cast<int>(groups.size()));
   const double points = effort.scene * effort.share * std::min(options.points, of_all);
   const std::vector<int> pixels = SpreadPixels(visited, static_cast<int>(std::ceil(points)), rng);
@@ -248,12 +256,31 @@ std::vector<Candidate> CandidateFinder::Impl::Round(const OrganizedCloud& cloud,
         candidate_refiner.RefineCandidates(cloud, object, options.votes == kModes ? poses : cast,
                                            cast, patches, effort, seconds, trace);
     candidates.insert(candidates.end(), of_object.begin(), of_object.end());
+    if (p < proposed.size()) {
+      AddProposed(cloud, object, proposed[p], cast, patches, seconds, trace, candidates);
+    }
   }
   return candidates;
 }
 
+void CandidateFinder::Impl::AddProposed(const OrganizedCloud& cloud, ObjectId object,
+                                        const std::vector<PoseVote>& proposed,
+                                        const std::vector<PoseVote>& cast, int patches,
+                                        StageSeconds& seconds, EstimateTrace* trace,
+                                        std::vector<Candidate>& candidates) const {
+  if (proposed.empty()) return;
+  const int usual =
+      std::max(options.min_candidates, options.candidates / static_cast<int>(objects.size()));
+  const SearchEffort effort{static_cast<double>(proposed.size()) / usual, 1};
+  for (const Candidate& candidate : candidate_refiner.RefineCandidates(
+           cloud, object, proposed, cast, patches, effort, seconds, trace)) {
+    candidates.push_back(candidate);
+  }
+}
+
 CandidateFinder::CandidateFinder(std::vector<CandidateObject> objects, PatchVoter voter,
-                                 const CandidateOptions& options, int threads) {
+                                 const CandidateOptions& options, int threads,
+                                 std::unique_ptr<PoseProposer> proposer) {
   CheckSettings("CandidateOptions", options);
   const bool regresses = options.votes == kRegressed || options.votes == kBoth;
   CheckInput(!regresses || voter.regress,
@@ -273,7 +300,8 @@ CandidateFinder::CandidateFinder(std::vector<CandidateObject> objects, PatchVote
                                       std::move(candidate_refiner),
                                       std::move(rotations),
                                       std::move(targets),
-                                      {}});
+                                      {},
+                                      std::move(proposer)});
   impl_->BuildGroups();
 }
 
@@ -290,6 +318,8 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
   std::vector<Candidate> candidates;
   std::vector<int> unexplained = cloud.foreground_pixels;
   SearchEffort effort{impl_->candidate_refiner.SceneEffort(cloud), 1};
+  RawPoses proposed;
+  if (impl_->proposer) proposed = impl_->proposer->Propose(cloud, seconds);
   for (int round = 0; round < impl_->options.rounds && !unexplained.empty(); ++round) {
     if (round > 0) {
       // The remaining pixels are few and difficult, so they get twice the patch density.
@@ -298,9 +328,11 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
       effort.share = std::min(1.0, kDenser * static_cast<double>(unexplained.size()) /
                                        static_cast<double>(cloud.foreground_pixels.size()));
     }
-    for (Candidate& candidate : impl_->Round(cloud, unexplained, effort, rng, seconds, trace)) {
+    for (Candidate& candidate :
+         impl_->Round(cloud, unexplained, effort, rng, seconds, trace, proposed)) {
       candidates.push_back(candidate);
     }
+    proposed.clear();  // only once
   }
   impl_->candidate_refiner.Compare(candidates, seconds);
   return candidates;
@@ -316,7 +348,7 @@ std::vector<Candidate> CandidateFinder::FindIn(const OrganizedCloud& cloud,
   const double share = static_cast<double>(pixels.size()) /
                        static_cast<double>(std::max<size_t>(1, cloud.foreground_pixels.size()));
   const SearchEffort effort{share * impl_->candidate_refiner.SceneEffort(cloud), 1};
-  return impl_->Round(cloud, pixels, effort, rng, seconds, trace);
+  return impl_->Round(cloud, pixels, effort, rng, seconds, trace, {});
 }
 
 }  // namespace pickbed::perception

@@ -46,10 +46,12 @@ struct CandidateObject {
 // Finds candidates with votes of local patches.
 class CandidateFinder : public CandidateSource {
  public:
+  // - proposer: its poses become candidates too, in Find(); null = none
   // Results do not depend on the number of threads. Throws InputError if the options ask for
   // regressed poses and the network regresses none.
   CandidateFinder(std::vector<CandidateObject> objects, PatchVoter voter,
-                  const CandidateOptions& options, int threads = 1);
+                  const CandidateOptions& options, int threads = 1,
+                  std::unique_ptr<PoseProposer> proposer = nullptr);
   ~CandidateFinder() override;
 
   // Adds times under "patches", "network", "neighbors", "modes" and the names of CandidateRefiner.

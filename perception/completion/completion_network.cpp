@@ -21,6 +21,8 @@ constexpr int64_t kHalf = kInputCells / 2;
 constexpr int64_t kFirstChannels = 8 * kInputChannels;
 // Points decoded at once.
 constexpr int64_t kChunk = 8192;
+// Views encoded at once.
+constexpr int64_t kViews = 16;
 
 // Convolution, batch normalization, ReLU.
 struct Block : torch::nn::Module {
@@ -123,6 +125,37 @@ torch::Device DeviceNamed(const std::string& name) {
   return torch::kCUDA;
 }
 
+// The first four are the view itself, half a turn about z, and two quarter turns.
+constexpr int kOrder[kCubeTurns] = {0, 3, 5, 6, 1, 2, 4, 7};
+
+// Mean probabilities of the points over the turned copies of a view. `features` has one row for
+// each copy.
+std::vector<float> Decoded(Net& net, const at::Tensor& features, const NetworkQuery& query,
+                           int turns, const torch::Device& device) {
+  std::vector<float> probabilities, queries;
+  probabilities.reserve(query.points_C.size());
+  for (size_t first = 0; first < query.points_C.size(); first += kChunk) {
+    const auto some =
+        query.points_C.subspan(first, std::min<size_t>(kChunk, query.points_C.size() - first));
+    queries.clear();
+    for (const Eigen::Vector3f& p_C : some) AppendQuery(*query.input, p_C, queries);
+    const size_t size = queries.size();
+    queries.resize(turns * size);
+    for (int i = 1; i < turns; ++i) {
+      float* copy = queries.data() + i * size;
+      std::copy_n(queries.data(), size, copy);
+      for (size_t k = 0; k < size; k += kQueryValues) TurnPlace(kOrder[i], copy + k);
+    }
+    const at::Tensor tensor = FloatTensor(
+        queries.data(), {turns, static_cast<int64_t>(some.size()), kQueryValues}, device);
+    const at::Tensor values =
+        torch::sigmoid(net.Decode(features, tensor)).mean(0).cpu().contiguous();
+    const float* begin = values.data_ptr<float>();
+    probabilities.insert(probabilities.end(), begin, begin + values.numel());
+  }
+  return probabilities;
+}
+
 }  // namespace
 
 void CompletionNetworkOptions::Visit(SettingsVisitor& v) {
@@ -210,36 +243,32 @@ std::vector<float> CompletionNetwork::Probabilities(const CompletionBatch& batch
 std::vector<float> CompletionNetwork::Probabilities(const CompletionInput& input,
                                                     std::span<const Eigen::Vector3f> points_C,
                                                     int turns) const {
-  // The first four are the view itself, half a turn about z, and two quarter turns.
-  constexpr int kOrder[kCubeTurns] = {0, 3, 5, 6, 1, 2, 4, 7};
+  const NetworkQuery query{&input, points_C};
+  return std::move(Probabilities(std::span(&query, 1), turns).front());
+}
+
+std::vector<std::vector<float>> CompletionNetwork::Probabilities(
+    std::span<const NetworkQuery> queries, int turns) const {
   const torch::NoGradGuard no_gradients;
   Net& net = *impl_->net;
-  const std::vector<int8_t> own = input.Channels();
-  std::vector<int8_t> channels;
-  for (int i = 0; i < turns; ++i) {
-    const std::vector<int8_t> turned = TurnedChannels(own, kOrder[i]);
-    channels.insert(channels.end(), turned.begin(), turned.end());
-  }
-  const at::Tensor features = net.Encode(ChannelTensor(channels, turns, impl_->device));
-  std::vector<float> probabilities, queries;
-  probabilities.reserve(points_C.size());
-  for (size_t first = 0; first < points_C.size(); first += kChunk) {
-    const auto some = points_C.subspan(first, std::min<size_t>(kChunk, points_C.size() - first));
-    queries.clear();
-    for (const Eigen::Vector3f& p_C : some) AppendQuery(input, p_C, queries);
-    const size_t size = queries.size();
-    queries.resize(turns * size);
-    for (int i = 1; i < turns; ++i) {
-      float* copy = queries.data() + i * size;
-      std::copy_n(queries.data(), size, copy);
-      for (size_t k = 0; k < size; k += kQueryValues) TurnPlace(kOrder[i], copy + k);
+  std::vector<std::vector<float>> probabilities;
+  for (size_t first = 0; first < queries.size(); first += kViews) {
+    const auto some = queries.subspan(first, std::min<size_t>(kViews, queries.size() - first));
+    std::vector<int8_t> channels;
+    for (const NetworkQuery& query : some) {
+      const std::vector<int8_t> own = query.input->Channels();
+      for (int i = 0; i < turns; ++i) {
+        const std::vector<int8_t> turned = TurnedChannels(own, kOrder[i]);
+        channels.insert(channels.end(), turned.begin(), turned.end());
+      }
     }
-    const at::Tensor tensor = FloatTensor(
-        queries.data(), {turns, static_cast<int64_t>(some.size()), kQueryValues}, impl_->device);
-    const at::Tensor values =
-        torch::sigmoid(net.Decode(features, tensor)).mean(0).cpu().contiguous();
-    const float* begin = values.data_ptr<float>();
-    probabilities.insert(probabilities.end(), begin, begin + values.numel());
+    const int64_t count = turns * static_cast<int64_t>(some.size());
+    const at::Tensor features = net.Encode(ChannelTensor(channels, count, impl_->device));
+    for (size_t i = 0; i < some.size(); ++i) {
+      const int64_t row = turns * static_cast<int64_t>(i);
+      probabilities.push_back(
+          Decoded(net, features.slice(0, row, row + turns), some[i], turns, impl_->device));
+    }
   }
   return probabilities;
 }

@@ -40,6 +40,12 @@ struct CompletionBatch {
   std::vector<float> inside;     // count x points, 1 = the point is inside the part
 };
 
+// Points of a view (m, in C) whose probabilities are asked for.
+struct NetworkQuery {
+  const CompletionInput* input;
+  std::span<const Eigen::Vector3f> points_C;
+};
+
 class CompletionNetwork {
  public:
   // Draws new weights from `seed`. `device` is cpu or cuda. Throws InputError for cuda without a
@@ -64,6 +70,9 @@ class CompletionNetwork {
   // kCubeTurns) turned copies of the view.
   std::vector<float> Probabilities(const CompletionInput& input,
                                    std::span<const Eigen::Vector3f> points_C, int turns = 1) const;
+  // Returns the same for each query. The views are encoded together.
+  std::vector<std::vector<float>> Probabilities(std::span<const NetworkQuery> queries,
+                                                int turns = 1) const;
 
   // All weights, and the means and variances of the normalizations, in the order of the modules.
   std::vector<float> Weights() const;

@@ -2,6 +2,9 @@
 
 // Completion of a segment by the network.
 
+#include <span>
+#include <vector>
+
 #include "perception/completion/completed_volume.h"
 #include "perception/completion/completion_network.h"
 
@@ -15,5 +18,11 @@ CompletedVolume EmptyVolume(const CompletionCube& cube, int cells);
 // InputError as CompletionInput does.
 CompletedVolume CompleteWithNetwork(const CompletionNetwork& network, const SegmentView& view,
                                     int cells, int turns = 1);
+
+// Does the same for several views, which pass the network together. The volume of a view that
+// CompletionInput refuses is empty.
+std::vector<CompletedVolume> CompleteAllWithNetwork(const CompletionNetwork& network,
+                                                    std::span<const SegmentView> views, int cells,
+                                                    int turns = 1);
 
 }  // namespace pickbed::perception

@@ -75,48 +75,6 @@ void AddBackground(const CameraIntrinsics& k, const FloorPlane& floor, float wal
   }
 }
 
-// Hides a share of the visible pixels behind a half plane or a disc, which is nearer.
-void Occlude(double hidden, Rng& rng, Image<float>& depth_m, Image<uint8_t>& ids) {
-  const bool is_disc = rng.Uniform() < 0.5;
-  const double angle_rad = rng.Uniform(0, 2 * std::numbers::pi);
-  const double aside = rng.Uniform(0.4, 1.2);
-  const Eigen::Vector2d axis(std::cos(angle_rad), std::sin(angle_rad));
-  const double half = 0.5 * (ids.width() - 1);
-  const Eigen::Vector2d center = Eigen::Vector2d(half, half) + aside * 0.5 * half * axis;
-  const auto measure = [&](int x, int y) {
-    const Eigen::Vector2d at(x, y);
-    return is_disc ? (at - center).norm() : -axis.dot(at);
-  };
-  std::vector<double> values;
-  for (int y = 0; y < ids.height(); ++y) {
-    for (int x = 0; x < ids.width(); ++x) {
-      if (ids(x, y) == kSolid) values.push_back(measure(x, y));
-    }
-  }
-  if (values.empty()) return;
-  const size_t count = static_cast<size_t>(hidden * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + count, values.end());
-  const double limit = values[count];
-  float nearest_m = 1e9f;
-  for (int y = 0; y < ids.height(); ++y) {
-    for (int x = 0; x < ids.width(); ++x) {
-      if (ids(x, y) == kSolid && measure(x, y) < limit) {
-        nearest_m = std::min(nearest_m, depth_m(x, y));
-      }
-    }
-  }
-  if (nearest_m > 1e8f) return;
-  const double gap_m = LogUniform(rng, 0.003, 0.08);
-  const float top_m = nearest_m - static_cast<float>(std::min(gap_m, 0.4 * nearest_m));
-  for (int y = 0; y < ids.height(); ++y) {
-    for (int x = 0; x < ids.width(); ++x) {
-      if (measure(x, y) >= limit) continue;
-      ids(x, y) = kOther;
-      depth_m(x, y) = top_m;
-    }
-  }
-}
-
 // Removes the segment's pixels next to other pixels.
 void Erode(Image<uint8_t>& segment) {
   const Image<uint8_t> before = segment;
@@ -147,7 +105,12 @@ RandomView TryView(const ViewedSolid& solid, const std::vector<DepthSensor>& sen
   AddBackground(k, floor, wall_m, ideal_m);
   drawn.is_occluded = rng.Uniform() < options.occluded_share;
   const double hidden = rng.Uniform(options.min_hidden, options.max_hidden);
-  if (drawn.is_occluded) Occlude(hidden, rng, ideal_m, ids);
+  if (drawn.is_occluded) {
+    const Image<uint8_t> occluder = DrawOccluder(hidden, ids, rng, ideal_m);
+    for (size_t i = 0; i < ids.size(); ++i) {
+      if (occluder.pixels()[i]) ids.pixels()[i] = kOther;
+    }
+  }
   view.depth_m = sensors.empty()
                      ? ideal_m
                      : sensors[rng.Index(static_cast<int>(sensors.size()))](ideal_m, k, rng);
@@ -182,6 +145,50 @@ void RandomViewOptions::Visit(SettingsVisitor& v) {
   v.Real("floor_share", floor_share, {0, 1}, "share of the views with a known floor");
   v.Real("eroded_share", eroded_share, {0, 1},
          "share of the views whose segment lacks its outermost pixels");
+}
+
+Image<uint8_t> DrawOccluder(double hidden, const Image<uint8_t>& solid, Rng& rng,
+                            Image<float>& depth_m) {
+  Image<uint8_t> occluder(solid.width(), solid.height(), 0);
+  const bool is_disc = rng.Uniform() < 0.5;
+  const double angle_rad = rng.Uniform(0, 2 * std::numbers::pi);
+  const double aside = rng.Uniform(0.4, 1.2);
+  const Eigen::Vector2d axis(std::cos(angle_rad), std::sin(angle_rad));
+  const double half = 0.5 * (solid.width() - 1);
+  const Eigen::Vector2d center = Eigen::Vector2d(half, half) + aside * 0.5 * half * axis;
+  const auto measure = [&](int x, int y) {
+    const Eigen::Vector2d at(x, y);
+    return is_disc ? (at - center).norm() : -axis.dot(at);
+  };
+  std::vector<double> values;
+  for (int y = 0; y < solid.height(); ++y) {
+    for (int x = 0; x < solid.width(); ++x) {
+      if (solid(x, y) != 0) values.push_back(measure(x, y));
+    }
+  }
+  if (values.empty()) return occluder;
+  const size_t count = static_cast<size_t>(hidden * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + count, values.end());
+  const double limit = values[count];
+  float nearest_m = 1e9f;
+  for (int y = 0; y < solid.height(); ++y) {
+    for (int x = 0; x < solid.width(); ++x) {
+      if (solid(x, y) != 0 && measure(x, y) < limit) {
+        nearest_m = std::min(nearest_m, depth_m(x, y));
+      }
+    }
+  }
+  if (nearest_m > 1e8f) return occluder;
+  const double gap_m = LogUniform(rng, 0.003, 0.08);
+  const float top_m = nearest_m - static_cast<float>(std::min(gap_m, 0.4 * nearest_m));
+  for (int y = 0; y < solid.height(); ++y) {
+    for (int x = 0; x < solid.width(); ++x) {
+      if (measure(x, y) >= limit) continue;
+      occluder(x, y) = 1;
+      depth_m(x, y) = top_m;
+    }
+  }
+  return occluder;
 }
 
 RandomView DrawView(const ViewedSolid& solid, const std::vector<DepthSensor>& sensors,

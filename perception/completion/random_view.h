@@ -39,6 +39,12 @@ struct RandomView {
   bool is_occluded = false;
 };
 
+// Hides about this share of the pixels of a solid behind a random half plane or disc, which is
+// nearer than them. The images have one size. Returns the pixels of the occluder, whose depth is
+// set.
+Image<uint8_t> DrawOccluder(double hidden, const Image<uint8_t>& solid, Rng& rng,
+                            Image<float>& depth_m);
+
 // Draws a view with at least kMinSegmentPixels pixels. It uses one of the sensors; with none, the
 // depth is ideal. The result depends only on the arguments and the state of `rng`. Throws
 // InputError if no view of the solid has enough pixels.

@@ -21,6 +21,9 @@ class NetworkCompleter : public ShapeCompleter {
   CompletedVolume Complete(const SegmentView& view) override {
     return CompleteWithNetwork(model_.network, view, cells_, turns_);
   }
+  std::vector<CompletedVolume> CompleteAll(std::span<const SegmentView> views) override {
+    return CompleteAllWithNetwork(model_.network, views, cells_, turns_);
+  }
 
  private:
   CompletionModel model_;
@@ -55,6 +58,18 @@ std::vector<std::string> CompleterNames() {
 }
 
 }  // namespace
+
+std::vector<CompletedVolume> ShapeCompleter::CompleteAll(std::span<const SegmentView> views) {
+  std::vector<CompletedVolume> volumes(views.size());
+  for (size_t i = 0; i < views.size(); ++i) {
+    try {
+      volumes[i] = Complete(views[i]);
+    } catch (const InputError&) {
+      volumes[i] = {};  // too few readings, or none with an extent
+    }
+  }
+  return volumes;
+}
 
 void CompletionOptions::Visit(SettingsVisitor& v) {
   v.Text("method", method, CompleterNames(), "method that completes the shape");

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,8 @@ class ShapeCompleter {
   virtual ~ShapeCompleter() = default;
   // Returns the completed volume. Throws InputError as CheckSegmentView() does.
   virtual CompletedVolume Complete(const SegmentView& view) = 0;
+  // Returns the completed volume of each view. It is empty where Complete() would throw.
+  virtual std::vector<CompletedVolume> CompleteAll(std::span<const SegmentView> views);
 };
 
 struct CompleterRow {

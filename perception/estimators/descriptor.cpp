@@ -10,6 +10,7 @@
 #include "perception/cloud/search_cloud.h"
 #include "perception/estimators/first_poses.h"
 #include "perception/networks/model_file.h"
+#include "perception/segment_poses/segment_poses.h"
 #include "perception/verify/color_consistency.h"
 #include "scenes/base/cache_lock.h"
 #include "scenes/base/error.h"
@@ -62,8 +63,9 @@ class LearnedEstimator : public PoseEstimator {
     for (const int index : trained_) verifiers_.push_back(model_.verifiers[index]);
     PatchVoter voter = VoterOf(model_.network, threads_);
     if (!model.regression.empty()) AddRegression(setup, model.regression, voter);
-    finder_ = std::make_unique<CandidateFinder>(CandidateObjects(setup), std::move(voter),
-                                                options.candidates, setup.threads);
+    finder_ =
+        std::make_unique<CandidateFinder>(CandidateObjects(setup), std::move(voter),
+                                          options.candidates, setup.threads, ProposerOf(setup));
   }
 
   EstimateResult Estimate(const EstimatorInput& input, Rng& rng) override;
@@ -71,6 +73,7 @@ class LearnedEstimator : public PoseEstimator {
  private:
   void AddRegression(const EstimatorSetup& setup, const std::filesystem::path& file,
                      PatchVoter& voter);
+  std::unique_ptr<PoseProposer> ProposerOf(const EstimatorSetup& setup) const;
   std::vector<CandidateObject> CandidateObjects(const EstimatorSetup& setup) const;
   ObjectCodes Codes(const EstimatorSetup& setup, ObjectId object, double side_m) const;
   void Trace(const OrganizedCloud& cloud, const std::vector<Candidate>& candidates,
@@ -110,6 +113,22 @@ void LearnedEstimator::AddRegression(const EstimatorSetup& setup, const std::fil
   const PatchVoter regressing = VoterOf(regression_->network, threads_);
   voter.regress = regressing.regress;
   voter.object_count = regressing.object_count;
+}
+
+// Null without spec.completion.
+std::unique_ptr<PoseProposer> LearnedEstimator::ProposerOf(const EstimatorSetup& setup) const {
+  if (setup.spec.completion == kNoCompletion) return nullptr;
+  CheckInput(setup.spec.mode != kFirstMode,
+             "estimator.completion: mode first searches regions and completes no shapes; choose "
+             "mode fast or accurate");
+  CheckInput(setup.views, "estimator.completion: its codebooks need a renderer");
+  SegmentPoseOptions options;
+  options.completion.method = setup.spec.completion;
+  options.completion.model = setup.spec.completion_model;
+  options.book.distance_m = setup.working_distance_m;
+  options.book.focal_px = setup.intrinsics.fx() / binning_;
+  return std::make_unique<SegmentPoses>(
+      SegmentPoseSetup{*setup.views, setup.cache_dir, setup.on_progress}, options);
 }
 
 std::vector<CandidateObject> LearnedEstimator::CandidateObjects(const EstimatorSetup& setup) const {

@@ -32,6 +32,7 @@ constexpr EstimatorRow kEstimators[] = {
      .make = &MakeDescriptorEstimator,
      .explains = true,
      .renders = true,
+     .completes = true,
      .make_training = &MakeDescriptorTraining},
     {.name = "kehl",
      .help = "patches described by an auto-encoder; votes filtered to modes; ICP and verifier of "
@@ -105,6 +106,10 @@ std::unique_ptr<PoseEstimator> MakeEstimator(const EstimatorSetup& setup) {
   CheckSettings("EstimatorSpec", setup.spec);
   RefinerNamed(setup.refiner);
   RequireScores(setup.spec);
+  CheckInput(row.completes || setup.spec.completion == kNoCompletion,
+             fmt::format("estimator.completion: estimator {} does not complete shapes; use "
+                         "estimator descriptor, or set it to none",
+                         setup.spec.name));
   if (!setup.spec.calibration.empty()) {
     const ScoreCalibration calibration = CalibrationFor(setup.spec);
     EstimatorSetup as_fitted = setup;

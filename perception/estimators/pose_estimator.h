@@ -102,8 +102,9 @@ struct EstimatorRow {
   const char* help;
   std::span<const char* const> modes;  // allowed values of EstimatorSpec::mode
   std::unique_ptr<PoseEstimator> (*make)(const EstimatorSetup& setup);
-  bool explains = false;  // fills EstimatorInput::trace
-  bool renders = false;   // uses EstimatorSetup::views
+  bool explains = false;   // fills EstimatorInput::trace
+  bool renders = false;    // uses EstimatorSetup::views
+  bool completes = false;  // uses EstimatorSpec::completion
   // Makes the access to its model file and training, see estimator_training.h. Null: it has
   // neither.
   std::unique_ptr<EstimatorTraining> (*make_training)() = nullptr;

@@ -170,6 +170,11 @@ void EstimatorSpec::Visit(SettingsVisitor& v) {
          "scores are used as they are");
   v.Text("calibrated_to", calibrated_to, {"pose_right", "pick_succeeds"},
          "probability into which the calibration converts the scores");
+  v.Text("completion", completion, {},
+         "method that completes the shapes of occluded segments for additional poses: none, or a "
+         "method of `pickbed benchmark completion`; only for estimator descriptor");
+  v.Text("completion_model", completion_model, {},
+         "model of completion method network: a file, or a name in assets/models");
   v.Real("noise_mm", noise_mm, {0, 1000},
          "standard deviation of the position error per axis, mm; only for estimator oracle");
   v.Real("noise_deg", noise_deg, {0, 180},

@@ -59,6 +59,9 @@ struct FirstPosesSpec {
   void Visit(SettingsVisitor& v);
 };
 
+// Value of estimator.completion without additional poses.
+inline constexpr char kNoCompletion[] = "none";
+
 // The pose estimator and its settings.
 struct EstimatorSpec {
   std::string name = "descriptor";
@@ -70,6 +73,9 @@ struct EstimatorSpec {
   // become probabilities of `calibrated_to`: pose_right | pick_succeeds.
   std::string calibration;
   std::string calibrated_to = "pose_right";
+  // descriptor only: method that completes occluded segments for additional poses
+  std::string completion = kNoCompletion;
+  std::string completion_model = "completion";  // of method network
   double noise_mm = 0;   // oracle only: standard deviation of the position, each axis
   double noise_deg = 0;  // oracle only: standard deviation of the rotation angle
   // process only, see scenes/plugin/plugin_client.h

@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "eval/benchmark/recognition.h"
 #include "eval/cli/arguments.h"
 #include "eval/cli/completion/commands.h"
 #include "eval/completion/benchmark_report.h"
@@ -11,30 +14,67 @@
 #include "eval/page/html.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
+#include "scenes/base/files.h"
 
 namespace pickbed::eval {
 namespace {
 
-int RunBenchmark(const CompletionBenchmarkOptions& options, const std::string& out) {
-  const std::filesystem::path folder = OutFolder(out, "completion");
-  CatchInterrupts();
-  CompletionBenchmark benchmark;
-  {
-    ProgressLine progress;
-    benchmark = RunCompletionBenchmark(options, [&](int done, int total) {
-      ProgressState state;
-      state.what = "shape";
-      state.done = done;
-      state.total = total;
-      progress.Show(state);
-      return !Interrupted();
-    });
+constexpr const char* kShapesTables = "shapes";
+constexpr const char* kRecognitionTables = "recognition";
+
+struct BenchmarkRequest {
+  CompletionBenchmarkOptions shapes;
+  RecognitionOptions recognition;
+  std::vector<std::string> tables{kShapesTables};
+  std::string out;
+
+  bool Has(const char* name) const {
+    return std::find(tables.begin(), tables.end(), name) != tables.end();
   }
-  if (Interrupted()) return kExitInterrupted;
-  fmt::print("{}", CompletionTableText(benchmark));
-  const bool has_page = SayIfUnwritten(WriteCompletionBenchmark(folder, benchmark, options));
+};
+
+// Shows progress and returns whether to go on.
+std::function<bool(int, int)> Shown(ProgressLine& progress, std::string what) {
+  return [&progress, what = std::move(what)](int done, int total) {
+    ProgressState state;
+    state.what = what;
+    state.done = done;
+    state.total = total;
+    progress.Show(state);
+    return !Interrupted();
+  };
+}
+
+int RunBenchmark(const BenchmarkRequest& request) {
+  const std::filesystem::path folder = OutFolder(request.out, "completion");
+  MakeFolder(folder);
+  CatchInterrupts();
+  HtmlPage page("Shape completion");
+  if (request.Has(kShapesTables)) {
+    CompletionBenchmark benchmark;
+    {
+      ProgressLine progress;
+      benchmark = RunCompletionBenchmark(request.shapes, Shown(progress, "shape"));
+    }
+    if (Interrupted()) return kExitInterrupted;
+    fmt::print("{}", CompletionTableText(benchmark));
+    AddCompletionBenchmark(folder, benchmark, request.shapes, page);
+  }
+  if (request.Has(kRecognitionTables)) {
+    Recognition recognition;
+    {
+      ProgressLine progress;
+      recognition = RunRecognition(request.recognition, Shown(progress, "bin"));
+    }
+    // An interrupted comparison is valid for the bins so far.
+    fmt::print("{}", RecognitionText(recognition));
+    WriteFileAtomically(folder / kRecognitionFile, RecognitionCsv(recognition));
+    WriteFileAtomically(folder / kRecognitionBinsFile, RecognitionBinsCsv(recognition));
+    AddRecognition(recognition, page);
+  }
+  const bool has_page = SayIfUnwritten(WritePage(folder / kIndexPage, page));
   fmt::print("wrote {}\n", (has_page ? folder / kIndexPage : folder).string());
-  return 0;
+  return Interrupted() ? kExitInterrupted : 0;
 }
 
 }  // namespace
@@ -42,11 +82,20 @@ int RunBenchmark(const CompletionBenchmarkOptions& options, const std::string& o
 int BenchmarkCompletionCommand(int argc, char** argv) {
   CLI::App app(
       "Completes views of test shapes with all methods: IoU, surface distances, calibration and "
-      "time, for seen and unseen shapes, clean and occluded.",
+      "time, for seen and unseen shapes, clean and occluded. Measures what completion is worth "
+      "for the recognition of known objects.",
       "pickbed benchmark completion");
-  CompletionBenchmarkOptions options;
-  std::string out, data;
+  BenchmarkRequest request;
+  CompletionBenchmarkOptions& options = request.shapes;
+  request.recognition.scenarios = {"deep_bracket", "deep_elbow", "deep_mug", "deep_rod"};
+  std::string data;
   bool small = false;
+  app.add_option("--tables", request.tables,
+                 "tables to make, separated by commas: shapes (accuracy of completed shapes), "
+                 "recognition (of known objects with and without completion)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({kShapesTables, kRecognitionTables}))
+      ->capture_default_str();
   app.add_option("--methods", options.methods,
                  "methods, separated by commas; the first is compared with the others [all]")
       ->delimiter(',');
@@ -77,7 +126,25 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--small", small, "one shape and one view of each kind, 32 cells");
   app.add_option("--seed", options.seed, "random seed of the views")->capture_default_str();
-  app.add_option("--out", out, "results folder [results/completion]");
+  app.add_option("--scenarios", request.recognition.scenarios,
+                 "bins of the recognition tables, separated by commas")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--bins", request.recognition.bins,
+                 "bins of each scenario of the recognition tables")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  app.add_option(
+         "--completions", request.recognition.completions,
+         "methods of the recognition tables, separated by commas; the first is the reference")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--mode", request.recognition.mode, "search mode of estimator descriptor")
+      ->check(CLI::IsMember({"fast", "accurate"}))
+      ->capture_default_str();
+  app.add_option("--bin-seed", request.recognition.seed, "random seed of these bins")
+      ->capture_default_str();
+  app.add_option("--out", request.out, "results folder [results/completion]");
   app.footer("Example: pickbed benchmark completion --small --methods local_thickness,skirt");
   if (!ParseArguments(app, argc, argv)) return 0;
   if (small) {
@@ -89,7 +156,8 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
   }
   if (options.sets.empty()) options.sets = TestSetNames();
   options.data_folder = data;
-  return RunBenchmark(options, out);
+  request.recognition.model = options.model;
+  return RunBenchmark(request);
 }
 
 }  // namespace pickbed::eval

@@ -55,6 +55,32 @@ TEST(SceneGlb, HasTruthHypothesesGripperAndCloudAtTheirPoses) {
   EXPECT_EQ(height_of(4), 0.75);
 }
 
+TEST(SceneGlb, HasTheProbableAndThePossibleSurfaceOfACompletedSegment) {
+  OccupancyShape shape;
+  shape.size = 8;
+  shape.cell_m = 0.01;
+  shape.X_WV = Translation({0.1, 0.2, 0.3});
+  shape.occupancy.assign(8 * 8 * 8, 0);
+  const auto fill = [&](int low, int high, float p) {
+    for (int z = low; z < high; ++z) {
+      for (int y = low; y < high; ++y) {
+        for (int x = low; x < high; ++x) shape.occupancy[(z * 8 + y) * 8 + x] = p;
+      }
+    }
+  };
+  fill(1, 7, 0.35f);
+  fill(3, 5, 0.9f);
+  OccupancyShape faint = shape;
+  for (float& p : faint.occupancy) p = std::min(p, 0.35f);
+  const Scene scene = OneCube();
+  SceneGlbInput input{scene, EasyCube(), {}};
+  input.completed = {shape, faint};
+  const auto json = JsonOf(SceneGlb(input));
+  EXPECT_THAT(NodeNames(json), ElementsAre("world", "bin", "truth 6 cube", "completed 0",
+                                           "possible 0", "possible 1"));
+  EXPECT_EQ(json["nodes"][3]["matrix"][14], 0.3f);
+}
+
 TEST(SceneGlb, HasNoGripperWithoutAGrasp) {
   const Scene scene = OneCube();
   EXPECT_THAT(NodeNames(JsonOf(SceneGlb({scene, EasyCube(), {}}))),

@@ -210,7 +210,7 @@ TEST(RunStatistics, CalibrationDetectsOverconfidence) {
       }
     }
   }
-  const Calibration calibration = ReportOf(Point(overconfident)).calibration;
+  const auto calibration = ReportOf(Point(overconfident)).calibration;
   ASSERT_EQ(calibration.bins.size(), 1u);
   EXPECT_NEAR(calibration.bins[0].mean_confidence, 0.9, 1e-9);
   EXPECT_NEAR(calibration.expected_error, 0.4, 0.001);

@@ -178,6 +178,28 @@ TEST_F(Descriptor, TracingDoesNotChangeTheResult) {
   }
 }
 
+TEST_F(Descriptor, CompletionAddsCandidatesAndIsReproducible) {
+  const LabelledView view = views_->ClutterScene({12, 1}).front();
+  const auto candidates = [&](const EstimatorSetup& setup) {
+    Rng rng(1);
+    EstimateTrace trace;
+    MakeDescriptorEstimator(setup, Options())->Estimate({view.frame, OutOfSightBin(), &trace}, rng);
+    return trace.candidates;
+  };
+  EstimatorSetup setup = MakeSetup();
+  const auto without = candidates(setup);
+  setup.spec.completion = "skirt";
+  const auto with = candidates(setup);
+  EXPECT_GT(with.size(), without.size());
+  const auto again = candidates(setup);
+  ASSERT_EQ(with.size(), again.size());
+  for (size_t i = 0; i < with.size(); ++i) {
+    EXPECT_EQ(with[i].hypothesis.X_CO.matrix(), again[i].hypothesis.X_CO.matrix());
+  }
+  setup.spec.mode = kFirstMode;
+  EXPECT_THAT(ErrorOf([&] { candidates(setup); }), HasSubstr("choose mode fast or accurate"));
+}
+
 TEST_F(Descriptor, PatchesNeverExceedThePoints) {
   DescriptorOptions options = Options();
   options.candidates.points = 100;

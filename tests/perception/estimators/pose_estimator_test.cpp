@@ -59,6 +59,13 @@ TEST(EstimatorTable, TrainingHasTheFunctionsOfItsKind) {
   }
 }
 
+TEST(MakeEstimator, OnlyEstimatorsThatCompleteShapesAcceptACompletion) {
+  EstimatorSetup setup;
+  setup.spec.name = "ppf";
+  setup.spec.completion = "network";
+  EXPECT_THAT(ErrorOf([&] { MakeEstimator(setup); }), HasSubstr("use estimator descriptor"));
+}
+
 TEST(MakeEstimator, UnknownNamesAreRefusedAndKnownOnesAreListed) {
   EstimatorSetup setup;
   setup.objects = {ObjectOf(BracketMesh())};

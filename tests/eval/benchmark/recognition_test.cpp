@@ -1,0 +1,76 @@
+#include "eval/benchmark/recognition.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/error_of.h"
+#include "tests/support/layer.h"
+
+namespace pickbed::tests {
+namespace {
+
+using testing::HasSubstr;
+
+// Ten bins of two scenarios. In the bands of 30 to 70 % with completion, two more of twenty
+// instances are recalled in each bin but one.
+Recognition Planted() {
+  Recognition recognition;
+  recognition.completions = {"none", "network"};
+  for (int bin = 0; bin < 10; ++bin) {
+    const std::string scenario = bin < 5 ? "deep_rod" : "deep_mug";
+    const int more = bin == 9 ? 0 : 1;
+    recognition.bins.push_back(
+        {scenario, "none", bin, {{0, 5}, {4, 10}, {6, 10}, {5, 5}, {9, 10}}, {24, 25}, 1.0});
+    recognition.bins.push_back({scenario,
+                                "network",
+                                bin,
+                                {{0, 5}, {4 + more, 10}, {6 + more, 10}, {5, 5}, {9, 10}},
+                                {24, 30},
+                                2.0});
+  }
+  return recognition;
+}
+
+TEST(Recognition, ChangesArePairedByBinAndOfTheStatedInstances) {
+  const Recognition planted = Planted();
+  const RecognitionChange all = RecallChange(planted, "network", kOccludedFrom, kOccludedTo);
+  EXPECT_EQ(all.reference.hits, 100);
+  EXPECT_EQ(all.reference.samples, 200);
+  EXPECT_EQ(all.rate.hits, 118);
+  EXPECT_GT(all.difference.low, 0);
+  EXPECT_LT(all.difference.high, 0.18);
+  EXPECT_LT(all.p, 0.05);
+  const RecognitionChange rod = RecallChange(planted, "network", 0.3, 0.5, "deep_rod");
+  EXPECT_EQ(rod.reference.hits, 20);
+  EXPECT_EQ(rod.rate.hits, 25);
+  EXPECT_EQ(rod.rate.samples, 50);
+  const RecognitionChange unchanged = RecallChange(planted, "network", 0.9, 1);
+  EXPECT_EQ(unchanged.rate.hits, unchanged.reference.hits);
+  EXPECT_EQ(unchanged.rate.samples, 100);
+  const RecognitionChange precision = PrecisionChange(planted, "network");
+  EXPECT_DOUBLE_EQ(precision.rate.rate(), 0.8);
+  EXPECT_LT(precision.difference.high, 0);
+}
+
+TEST(Recognition, FilesHaveOneLinePerChangeAndPerBand) {
+  const Recognition planted = Planted();
+  const std::string csv = RecognitionCsv(planted);
+  EXPECT_THAT(csv, HasSubstr("\nnetwork,,0.30,0.70,200,100,118,0.0900,"));
+  EXPECT_THAT(csv, HasSubstr("\nnetwork,deep_rod,0.30,0.70,100,50,60,0.1000,"));
+  EXPECT_THAT(RecognitionBinsCsv(planted), HasSubstr("\ndeep_mug,9,network,0.30,10,4,30,24\n"));
+  EXPECT_THAT(RecognitionText(planted), HasSubstr("+9.0 ["));
+}
+
+TEST(Recognition, RefusesOneCompletionUnknownScenariosAndMethods) {
+  const auto error_of = [](const RecognitionOptions& options) {
+    return ErrorOf([&] { RunRecognition(options, {}); });
+  };
+  RecognitionOptions options;
+  options.scenarios = {"deep_rd"};
+  EXPECT_THAT(error_of(options), HasSubstr("deep_rd"));
+  options.completions = {"none", "none"};
+  EXPECT_THAT(error_of(options), HasSubstr("two different completions"));
+}
+
+}  // namespace
+}  // namespace pickbed::tests
