@@ -164,7 +164,7 @@ ExplanationPage ExplainUnknown(const ScenarioSpec& spec, const ObjectSet& object
   page.Heading("In 3D");
   page.Note(
       "Each completed segment has a color. Its opaque surface is at a probability of one half, its "
-      "transparent one at the limit that hands keep out of. True objects are gray.");
+      "transparent one at a quarter. True objects are gray.");
   const GlbCloud cloud = ObservedCloud(view.frame, view.calibration.camera.X_WC(), kCloudStride_px);
   const std::string glb =
       SceneGlb({.scene = scene,
