@@ -33,7 +33,7 @@ draw: 2
 YAML
   local run=("$pickbed" run pool.yaml --set planner.name=skirt --set policy.max_attempts=2 --pictures 0)
   expect 0 "${run[@]}" --jobs 1 --bop-out images --out pool_1
-  grep -q "name: sampled/machine/unseen_families/5" pool_1/scenario.yaml || fail "no expanded list"
+  grep -q "sampled/machine/unseen_families/5" pool_1/scenario.yaml || fail "no expanded list"
   expect 0 "${run[@]}" --jobs 2 --trials 2 --out pool_2
   expect 0 "${run[@]}" --jobs 2 --resume --out pool_2
   for file in attempts.csv instances.csv; do
