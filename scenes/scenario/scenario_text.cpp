@@ -28,13 +28,17 @@ ScenarioSpec ScenarioOfText(const std::string& text, const std::filesystem::path
 
 std::string ObjectsInWords(const ScenarioSpec& spec) {
   const bool filled = spec.fill > 0;
-  if (spec.draw > 0) return fmt::format("{} of {} objects", spec.draw, spec.objects.size());
+  constexpr size_t kNamedObjects = 8;  // a larger pool is only counted
+  if (spec.draw > 0 && spec.objects.size() > kNamedObjects) {
+    return fmt::format("{} of {} objects", spec.draw, spec.objects.size());
+  }
   std::string words;
   for (const ObjectSpec& object : spec.objects) {
     if (!words.empty()) words += filled ? " : " : ", ";
     const bool alone = filled && spec.objects.size() == 1;
     words += alone ? object.name : fmt::format("{} {}", object.count, object.name);
   }
+  if (spec.draw > 0) return fmt::format("{} of: {}", spec.draw, words);
   return filled ? fmt::format("{}, filled to {:.0f} %", words, 100 * spec.fill) : words;
 }
 

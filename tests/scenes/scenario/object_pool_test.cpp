@@ -8,6 +8,7 @@
 #include "scenes/base/files.h"
 #include "scenes/objects/object_catalog.h"
 #include "scenes/scenario/load_objects.h"
+#include "scenes/scenario/scenario_text.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
@@ -91,6 +92,13 @@ TEST_F(ObjectPool, ContradictingSettingsAreRefusedWithTheirPlace) {
   ScenarioSpec few = Expanded(rods + "draw: 3\n");
   EXPECT_THAT(ErrorOf([&] { LoadObjects(few, ObjectCatalog({AssetsDir() / "objects"})); }),
               HasSubstr("pool.yaml:2: draw = 3: the objects have only 2 instances"));
+}
+
+TEST_F(ObjectPool, WordsNameASmallPoolAndCountALargeOne) {
+  const std::string yaml = "objects: [{name: rod, count: 2}, {name: sampled/cup/0-9}]\ndraw: 3\n";
+  EXPECT_EQ(ObjectsInWords(LoadScenario(folder_.Write("pool.yaml", yaml))),
+            "3 of: 2 rod, 1 sampled/cup/0-9");
+  EXPECT_EQ(ObjectsInWords(Expanded(yaml)), "3 of 11 objects");
 }
 
 // A pool may be larger than the bin; what a bin can draw may not.
