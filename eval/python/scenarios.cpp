@@ -169,7 +169,11 @@ void AddObjectModel(py::module_& module) {
       "load_mesh_object",
       [](const std::filesystem::path& mesh, const std::string& unit, double mass_kg,
          double friction) {
-        const MeshObjectSpec spec{mesh, unit, mass_kg, friction, {}};
+        const MeshObjectSpec spec{.mesh = mesh,
+                                  .unit = unit,
+                                  .mass_kg = mass_kg,
+                                  .friction = friction,
+                                  .symmetries_O = {}};
         return std::const_pointer_cast<ObjectModel>(
             WithoutLock([&] { return LoadMeshObject(mesh.stem().string(), spec); }));
       },
