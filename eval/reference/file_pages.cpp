@@ -67,7 +67,8 @@ ResultPage RunPage() {
                     "times; the same settings give the same bytes in all other files. {} More "
                     "files: [tables of {}](files_store.md), [budget, comparison and "
                     "estimate](files_measurements.md), [tolerance maps and "
-                    "benchmarks](files_benchmark.md), [scenes, objects and "
+                    "benchmarks](files_benchmark.md), [benchmark of "
+                    "completion](files_completion.md), [scenes, objects and "
                     "models](files_objects.md), [datasets](files_datasets.md).",
                     kTimingsFile, kIntervals, kStoreFile),
         {Plain(kStoreFile,
@@ -213,8 +214,14 @@ ResultPage BenchmarkPage() {
          Csv(kCropsFile, "one line per method, stage, condition and object", CropTableColumns()),
          Csv(kCropViewsFile, "one line per test view, method and stage", CropViewsColumns()),
          Csv(kCropDifferencesFile, "paired differences of two methods", CropDifferencesColumns()),
-         Csv(kTimingsFile, "durations", CropTimingsColumns())}},
-       {"pickbed benchmark completion",
+         Csv(kTimingsFile, "durations", CropTimingsColumns())}}}};
+}
+
+ResultPage CompletionPage() {
+  return {
+      "files_completion.md",
+      "Result files of the benchmark of completion",
+      {{"pickbed benchmark completion",
         "One results folder.",
         {Plain(fmt::format("{}, gallery_SET.png", kIndexPage),
                "page with tables, and its pictures"),
@@ -349,6 +356,7 @@ std::vector<ResultPage> AllResultFiles() {
           StorePage(),
           MeasurementsPage(),
           BenchmarkPage(),
+          CompletionPage(),
           ObjectsPage(),
           {"files_datasets.md",
            "Files of datasets and executed results",

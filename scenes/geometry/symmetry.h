@@ -35,9 +35,10 @@ const ContinuousSymmetry* SecondAxis(const SymmetrySet& symmetries);
 
 // Returns all symmetry transforms, with the identity first. A continuous axis gives `steps` equal
 // rotations. The default follows the BOP toolkit: the surface moves at most 1 % of the diameter per
-// step, which needs pi / 0.01 steps, rounded up. Discrete transforms are composed with the continuous ones. Two
-// axes that cross (a ball) give rotations about the crossing on a grid of about 32 * steps. Throws
-// InputError for two axes that do not meet and std::invalid_argument for steps < 1.
+// step, which needs pi / 0.01 steps, rounded up. Discrete transforms are composed with the
+// continuous ones. Two axes that cross (a ball) give rotations about the crossing on a grid of
+// about 32 * steps. Throws InputError for two axes that do not meet and std::invalid_argument for
+// steps < 1.
 std::vector<Pose> SymmetryTransforms(const SymmetrySet& symmetries, int steps = 315);
 
 }  // namespace pickbed::scenes

@@ -22,7 +22,8 @@ class CubeInBin : public testing::Test {
   }
   VerifyFeatures FeaturesAt(const Eigen::Vector3d& p_B) const {
     FitReport fit;
-    return ComputeVerifyFeatures(cloud(), model_, background_.X_CB * Translation(p_B), {}, {}, 0, fit);
+    return ComputeVerifyFeatures(cloud(), model_, background_.X_CB * Translation(p_B), {}, {}, 0,
+                                 fit);
   }
   OrganizedCloud cloud() const {
     SyntheticDepth scene(SmallCamera());
