@@ -98,9 +98,10 @@ a_changed_server_makes_other_results() {
   local version server address
   for version in 1 1 2; do
     sed -i "s/^@pb.estimator.*/@pb.estimator(version='$version')/" estimator.py
+    rm -f server.log  # of the server before
     PYTHONPATH=$root/scenes/plugin/python python3 estimator.py --listen "${address:-0}" 2>server.log &
     server=$!
-    for _ in $(seq 100); do grep -q "listening" server.log && break; sleep 0.1; done
+    for _ in $(seq 100); do grep -qs "listening" server.log && break; sleep 0.1; done
     address=$(sed -n 's/^listening on //p' server.log)
     [ -e kept ] && run+=(--resume)
     "${run[@]}" --set "estimator.connect=$address" >last.out 2>last.err
