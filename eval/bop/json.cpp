@@ -8,6 +8,7 @@
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 
 namespace pickbed::eval {
 namespace {
@@ -19,6 +20,29 @@ std::string Reason(const std::exception& error) {
   std::string reason = end == std::string::npos ? text : text.substr(end + 2);
   std::replace(reason.begin(), reason.end(), '\n', ' ');
   return reason;
+}
+
+// The library's reader and writer call themselves for each level of nesting, so that a deeply
+// nested text would exhaust the stack.
+void CheckNesting(const std::string& text) {
+  constexpr int kMaxDepth = 64;
+  int depth = 0;
+  bool in_string = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string && c == '\\') {
+      ++i;
+    } else if (c == '"') {
+      in_string = !in_string;
+    } else if (!in_string) {
+      depth += (c == '[' || c == '{') - (c == ']' || c == '}');
+    }
+    CheckInput(depth <= kMaxDepth, fmt::format("is nested more than {} levels deep", kMaxDepth));
+  }
+}
+
+std::string Shown(const ParsedJson& value) {
+  return OneLine(value.dump(-1, ' ', false, ParsedJson::error_handler_t::replace));
 }
 
 const ParsedJson* Find(const ParsedJson& object, const char* key, const JsonPlace& place) {
@@ -40,11 +64,13 @@ std::optional<ParsedJson> ReadJson(const std::filesystem::path& file, const OnFa
     return std::nullopt;
   }
   try {
-    return ParsedJson::parse(ReadFileBytes(file));
+    const std::string text = ReadFileBytes(file);
+    CheckNesting(text);
+    return ParsedJson::parse(text);
   } catch (const ParsedJson::exception& exception) {
     fault(fmt::format("{}: is no JSON: {}", file.string(), Reason(exception)));
   } catch (const InputError& exception) {
-    fault(exception.what());
+    fault(fmt::format("{}: {}", file.string(), exception.what()));
   }
   return std::nullopt;
 }
@@ -53,18 +79,22 @@ std::optional<double> JsonReal(const ParsedJson& object, const char* key, const 
   const ParsedJson* value = Find(object, key, place);
   if (!value) return std::nullopt;
   if (value->is_number() && std::isfinite(value->get<double>())) return value->get<double>();
-  place.Fault(fmt::format("'{}' is {}, not a number", key, value->dump()));
+  place.Fault(fmt::format("'{}' is {}, not a number", key, Shown(*value)));
   return std::nullopt;
 }
 
 std::optional<int> JsonInteger(const ParsedJson& object, const char* key, const JsonPlace& place) {
   const ParsedJson* value = Find(object, key, place);
   if (!value) return std::nullopt;
-  if (value->is_number_integer()) {
+  constexpr int64_t kMax = std::numeric_limits<int>::max();
+  if (value->is_number_unsigned()) {
+    const auto number = value->get<uint64_t>();
+    if (number <= static_cast<uint64_t>(kMax)) return static_cast<int>(number);
+  } else if (value->is_number_integer()) {
     const auto number = value->get<int64_t>();
-    if (std::abs(number) <= std::numeric_limits<int>::max()) return static_cast<int>(number);
+    if (number >= -kMax && number <= kMax) return static_cast<int>(number);
   }
-  place.Fault(fmt::format("'{}' is {}, not a whole number", key, value->dump()));
+  place.Fault(fmt::format("'{}' is {}, not a whole number", key, Shown(*value)));
   return std::nullopt;
 }
 

@@ -114,7 +114,10 @@ std::string Network() {
 }
 
 std::string Store() {
-  const auto folder = std::filesystem::temp_directory_path() / fmt::format("pickbed-{}", getpid());
+  // mkdtemp() makes a new folder without access for other users.
+  std::string name = (std::filesystem::temp_directory_path() / "pickbed-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make the folder " + name);
+  const std::filesystem::path folder = name;
   TrialResult result;
   result.instances_dropped = 3;
   std::vector<TrialResult> read;

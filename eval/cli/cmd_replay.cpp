@@ -87,6 +87,10 @@ int ReplayCommand(int argc, char** argv) {
       ->needs("--animate");
   bool verbose = false;
   app.add_flag("--verbose", verbose, "print the hashes of all stages, also of equal ones");
+  bool programs = false;
+  app.add_flag("--programs", programs,
+               "start the programs that the stored settings name, such as an estimator in Python; "
+               "for results of your own");
   bool list = false;
   app.add_flag("--list", list,
                "only list the trials of the run: number, bin, attempts, successes and status")
@@ -102,6 +106,7 @@ int ReplayCommand(int argc, char** argv) {
   }
   const TrialAddress address = ParseTrialAddress(address_text);
   const RecordedTrial recorded = ReadRecordedTrial(address, catalog);
+  RequireProgramsAllowed(recorded.spec, address, programs);
   SayWhatChanged(recorded);
   if (animate) RequirePicks(recorded, address_text, only_attempt);
   const std::filesystem::path folder =

@@ -4,13 +4,17 @@
 
 #include <array>
 #include <exception>
+#include <filesystem>
+#include <new>
 #include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "eval/cli/cmd_benchmark.h"
+#include "scenes/base/cache_file.h"
 #include "scenes/base/error.h"
+#include "scenes/base/message_text.h"
 #include "scenes/base/settings_names.h"
 
 namespace pickbed::eval {
@@ -119,6 +123,7 @@ std::span<const CommandRow> CommandTable() { return kCommands; }
 
 int Dispatch(int argc, char** argv) {
   SetDeprecationListener(PrintOnce);
+  SetCacheListener(PrintOnce);
   try {
     const std::string name = argc > 1 ? argv[1] : "";
     if (argc <= 1) {
@@ -135,10 +140,17 @@ int Dispatch(int argc, char** argv) {
     }
     return FindCommand(name).run(argc - 1, argv + 1);
   } catch (const InputError& error) {
-    fmt::print(stderr, "pickbed: {}\n", WithFlags(error.what()));
+    fmt::print(stderr, "pickbed: {}\n", Printable(WithFlags(error.what())));
+    return kBadInput;
+  } catch (const std::filesystem::filesystem_error& error) {
+    fmt::print(stderr, "pickbed: cannot use '{}': {}; choose another path\n",
+               Printable(error.path1().string()), error.code().message());
+    return kBadInput;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "pickbed: there is not enough memory; use fewer workers or smaller input\n");
     return kBadInput;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "pickbed: internal error: {}\n", error.what());
+    fmt::print(stderr, "pickbed: internal error: {}\n", Printable(error.what()));
     return kOurFault;
   }
 }

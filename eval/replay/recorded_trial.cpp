@@ -1,6 +1,7 @@
 // Reads the inputs of a trial from its store.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -133,6 +134,20 @@ std::string TrialList(const std::filesystem::path& run) {
   std::string text = fmt::format(kTrialListRow, "trial", "bin", "attempts", "successes", "status");
   for (const auto& [trial, line] : lines) text += line;
   return text;
+}
+
+void RequireProgramsAllowed(const ScenarioSpec& spec, const TrialAddress& address, bool allowed) {
+  std::vector<std::string> used;
+  for (const auto* command : {&spec.estimator.command, &spec.planner.command}) {
+    if (!command->empty()) used.push_back(fmt::format("'{}'", fmt::join(*command, " ")));
+  }
+  for (const std::string& server : {spec.estimator.connect, spec.planner.connect}) {
+    if (!server.empty()) used.push_back(server);
+  }
+  CheckInput(allowed || used.empty(),
+             fmt::format("{}: its settings use {}; allow it (--programs) if these results are "
+                         "your own",
+                         Named(address), fmt::join(used, " and ")));
 }
 
 RecordedTrial ReadRecordedTrial(const TrialAddress& address, const std::string& catalog) {

@@ -42,7 +42,7 @@ bool TryLock(int file) {
 
 FolderLock::FolderLock(const std::filesystem::path& folder) {
   MakeFolder(folder);
-  const std::string path = (folder / "lock").string();
+  const std::string path = (folder / kLockFile).string();
   file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   CheckInput(file_ >= 0, fmt::format("cannot write to {}: {}; choose another results folder", path,
                                      strerror(errno)));
@@ -57,7 +57,8 @@ FolderLock::FolderLock(const std::filesystem::path& folder) {
   gethostname(host.data(), host.size() - 1);
   const std::string holder = fmt::format("process {} on {}", getpid(), host.data());
   // The text only serves the error message above, so a failed write is ignored.
-  if (ftruncate(file_, 0) != 0 || pwrite(file_, holder.data(), holder.size(), 0) < 0) return;
+  if (ftruncate(file_, 0) == 0) (void)!pwrite(file_, holder.data(), holder.size(), 0);
+  RemoveTemporaries(folder);
 }
 
 // Workers that are still ending hold the descriptor and so keep the lock.

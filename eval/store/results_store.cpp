@@ -9,6 +9,7 @@
 
 #include "eval/store/schema_internal.h"
 #include "eval/store/settings_difference.h"
+#include "eval/store/store_check.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/base/random.h"
@@ -134,7 +135,7 @@ std::optional<std::string> StoredSettings(const std::filesystem::path& folder) {
   const Database db(file, Database::Mode::kExisting);
   const bool is_new = !Statement(db, "SELECT 1 FROM sqlite_master").Step();
   if (is_new) return std::nullopt;  // another process is just creating the tables
-  return ResultsStore::OpenToRead(folder).head().identity;
+  return ResultsStore::OpenToRead(folder, StoreChecks::kVersion).head().identity;
 }
 
 ResultsStore::ResultsStore(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -153,6 +154,7 @@ ResultsStore::ResultsStore(const std::filesystem::path& folder, const StoreHead&
   Transaction transaction(db);
   RequireKnownVersion(db);
   if (!IsOfThisVersion(db)) Migrate(db);
+  if (HoldsTrials(db)) CheckStructure(db);
   // Without a trial, for example after a run that failed before the end of its first one, the
   // settings may change.
   if (!HoldsTrials(db)) WriteHead(db, head);
@@ -167,7 +169,7 @@ ResultsStore::ResultsStore(const std::filesystem::path& folder, const StoreHead&
   impl_ = std::make_unique<Impl>(std::move(db), std::move(stored), /*writes=*/true);
 }
 
-ResultsStore ResultsStore::OpenToRead(const std::filesystem::path& folder) {
+ResultsStore ResultsStore::OpenToRead(const std::filesystem::path& folder, StoreChecks checks) {
   const std::filesystem::path file = folder / kStoreFile;
   CheckInput(
       std::filesystem::is_regular_file(file),
@@ -178,11 +180,13 @@ ResultsStore ResultsStore::OpenToRead(const std::filesystem::path& folder) {
   CheckInput(db.HasTable("trials") && db.HasTable("settings"),
              fmt::format("{} is no results store of pickbed", file.string()));
   if (IsOfThisVersion(db)) {
+    if (checks == StoreChecks::kAll) CheckStructure(db);
     StoreHead head = ReadHead(db);
     return ResultsStore(std::make_unique<Impl>(std::move(db), std::move(head)));
   }
   Database copy = db.CopyInMemory();
   Migrate(copy);
+  CheckStructure(copy);
   StoreHead head = ReadHead(copy);
   return ResultsStore(std::make_unique<Impl>(std::move(copy), std::move(head)));
 }
@@ -368,6 +372,13 @@ std::vector<TrialResult> ResultsStore::Read(int first, int end) const {
   }
   for (const TimingRow& row : Select<TimingRow>(db, "timings", range)) {
     of(row.trial).seconds[CurrentStage(row.stage)] = row.seconds;
+  }
+  for (const TrialResult& result : results) {
+    try {
+      CheckValues(result);
+    } catch (const InputError& error) {
+      ThrowDamaged(db, "trials", result.trial, error.what());
+    }
   }
   return results;
 }

@@ -1,9 +1,12 @@
 #include "eval/store/sqlite.h"
 
+#include <charconv>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "scenes/base/error.h"
+#include "scenes/base/message_text.h"
 
 namespace pickbed::eval {
 namespace {
@@ -17,9 +20,7 @@ void RequireWhole(const Database& db) {
   double bytes = 0;
   statement.Read(0, bytes);
   CheckInput(std::filesystem::file_size(db.file()) >= bytes,
-             fmt::format("{}: is truncated; restore the file from a copy, or repeat the run in "
-                         "another results folder",
-                         db.file()));
+             fmt::format("{}: is truncated; {}", db.file(), kRestoreAdvice));
 }
 
 }  // namespace
@@ -80,8 +81,11 @@ void CheckSql(const Database& db, int code) {
   switch (code & 0xff) {  // without the extended code
     case SQLITE_NOTADB:
     case SQLITE_CORRUPT:
-      throw InputError(
-          message + "; restore the file from a copy, or repeat the run in another results folder");
+    case SQLITE_ERROR:       // no such table or column
+    case SQLITE_CONSTRAINT:  // a trial twice
+    case SQLITE_MISMATCH:
+    case SQLITE_TOOBIG:
+      throw InputError(fmt::format("{}; {}", message, kRestoreAdvice));
     case SQLITE_FULL:
     case SQLITE_IOERR:
       throw InputError(message +
@@ -148,25 +152,48 @@ void Statement::Bind(int column, const std::vector<int>& value) {
   Bind(column, nlohmann::json(value).dump());
 }
 
+// Text of a value for a message: not longer than a line.
+std::string Statement::Shown(int column) const {
+  const unsigned char* text = sqlite3_column_text(statement_, column);
+  return fmt::format("'{}'",
+                     OneLine(text == nullptr ? "NULL" : reinterpret_cast<const char*>(text)));
+}
+
 void Statement::Read(int column, int& value) const {
-  value = sqlite3_column_int(statement_, column);
+  const int64_t stored = sqlite3_column_int64(statement_, column);
+  value = static_cast<int>(stored);
+  CheckInput(sqlite3_column_type(statement_, column) == SQLITE_INTEGER && value == stored,
+             Shown(column) + " is no integer of 32 bits");
 }
 
 void Statement::Read(int column, bool& value) const {
-  value = sqlite3_column_int(statement_, column) != 0;
+  const int64_t stored = sqlite3_column_int64(statement_, column);
+  CheckInput(
+      sqlite3_column_type(statement_, column) == SQLITE_INTEGER && (stored == 0 || stored == 1),
+      Shown(column) + " is neither 0 nor 1");
+  value = stored != 0;
 }
 
 void Statement::Read(int column, double& value) const {
+  const int type = sqlite3_column_type(statement_, column);
+  // SQLite stores NaN as NULL.
+  CheckInput(type == SQLITE_FLOAT || type == SQLITE_INTEGER || type == SQLITE_NULL,
+             Shown(column) + " is no number");
   value = sqlite3_column_double(statement_, column);
 }
 
 void Statement::Read(int column, uint64_t& value) const {
   std::string text;
   Read(column, text);
-  value = text.empty() ? 0 : std::stoull(text);
+  value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [after, error] = std::from_chars(text.data(), end, value);
+  CheckInput(text.empty() || (error == std::errc() && after == end),
+             Shown(column) + " is no unsigned integer of 64 bits");
 }
 
 void Statement::Read(int column, std::string& value) const {
+  CheckInput(sqlite3_column_type(statement_, column) != SQLITE_BLOB, "is a BLOB and no text");
   const unsigned char* text = sqlite3_column_text(statement_, column);
   value = text == nullptr ? "" : reinterpret_cast<const char*>(text);
 }
@@ -174,21 +201,40 @@ void Statement::Read(int column, std::string& value) const {
 void Statement::Read(int column, FailureReason& value) const {
   std::string name;
   Read(column, name);
-  value = FailureFromName(name).value_or(FailureReason::kNone);
+  const std::optional<FailureReason> reason = FailureFromName(name);
+  CheckInput(name.empty() || reason, Shown(column) + " is no failure reason");
+  value = reason.value_or(FailureReason::kNone);
 }
 
 void Statement::Read(int column, Pose& value) const {
-  std::string text;
-  Read(column, text);
-  const auto numbers = nlohmann::json::parse(text).get<std::vector<double>>();
+  constexpr double kTolerance = 1e-3;
+  const std::vector<double> numbers = ReadJson<double>(column);
+  CheckInput(numbers.size() == 12, Shown(column) + " is no list of 12 numbers");
   value.matrix().topRows<3>() =
       Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(numbers.data());
+  const Eigen::Matrix3d& rotation = value.linear();
+  const double deviation =
+      (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  CheckInput(deviation < kTolerance && rotation.determinant() > 0,
+             Shown(column) + " is no pose: its rotation is not orthonormal");
 }
 
-void Statement::Read(int column, std::vector<int>& value) const {
+void Statement::Read(int column, std::vector<int>& value) const { value = ReadJson<int>(column); }
+
+template <typename Number>
+std::vector<Number> Statement::ReadJson(int column) const {
   std::string text;
   Read(column, text);
-  value = text.empty() ? std::vector<int>() : nlohmann::json::parse(text).get<std::vector<int>>();
+  if (text.empty()) return {};
+  try {
+    const auto json = nlohmann::json::parse(text);
+    const auto fits = [](const nlohmann::json& item) {
+      return std::is_integral_v<Number> ? item.is_number_integer() : item.is_number();
+    };
+    if (json.is_array() && std::ranges::all_of(json, fits)) return json.get<std::vector<Number>>();
+  } catch (const nlohmann::json::exception&) {  // answered below
+  }
+  throw InputError(Shown(column) + " is no list of numbers");
 }
 
 }  // namespace pickbed::eval

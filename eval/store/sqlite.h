@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "eval/layer.h"
+#include "scenes/base/error.h"
 #include "scenes/base/ids.h"
 #include "scenes/geometry/pose.h"
 #include "scenes/scenario/failure_reason.h"
@@ -86,6 +87,8 @@ class Statement {
             const Pose& value);  // 3x4, row by row, as text that restores the same value
   void Bind(int column, const std::vector<int>& value);  // as JSON
 
+  // Read a column of the present row. They throw InputError that says what is wrong with the value,
+  // but not where it is.
   void Read(int column, int& value) const;
   void Read(int column, bool& value) const;
   void Read(int column, double& value) const;
@@ -102,9 +105,21 @@ class Statement {
   }
 
  private:
+  std::string Shown(int column) const;
+  template <typename Number>
+  std::vector<Number> ReadJson(int column) const;
+
   const Database& db_;
   sqlite3_stmt* statement_ = nullptr;
 };
+
+// Last part of errors about a damaged store.
+inline constexpr const char* kRestoreAdvice =
+    "restore the file from a copy, or repeat the run in another results folder";
+
+// Throws InputError that names file, table, row and fault of a damaged store.
+[[noreturn]] void ThrowDamaged(const Database& db, const std::string& table, int64_t row,
+                               const std::string& fault);
 
 // Returns the names of the columns of a row, in the order of its Visit().
 template <typename Row>
@@ -156,18 +171,26 @@ void Insert(const Database& db, const char* table, std::vector<Row> rows) {
   }
 }
 
-// Reads rows in the order of the result. `clause` is the SQL text after the table name.
+// Reads rows in the order of the result. `clause` is the SQL text after the table name. Throws
+// InputError for a value that is damaged.
 template <typename Row, typename Use>
 void ForEachRow(const Database& db, const char* table, const std::string& clause, Use use) {
-  std::string columns;
-  for (const std::string& name : ColumnsOf<Row>()) {
-    columns += columns.empty() ? name : ", " + name;
-  }
+  std::string columns = "rowid";
+  for (const std::string& name : ColumnsOf<Row>()) columns += ", " + name;
   Statement statement(db, fmt::format("SELECT {} FROM {} {}", columns, table, clause));
   while (statement.Step()) {
     Row row;
-    int column = 0;
-    row.Visit([&](const char*, auto& value) { statement.Read(column++, value); });
+    int column = 0, number = 0;
+    const char* at = "";
+    try {
+      row.Visit([&](const char* name, auto& value) {
+        at = name;
+        statement.Read(++column, value);
+      });
+    } catch (const InputError& error) {
+      statement.Read(0, number);
+      ThrowDamaged(db, table, number, fmt::format("column '{}': {}", at, error.what()));
+    }
     use(row);
   }
 }

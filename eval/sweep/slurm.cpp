@@ -159,11 +159,33 @@ void SlurmOptions::Visit(SettingsVisitor& v) {
   v.Text("options", options, {}, "further options of sbatch, separated by spaces");
 }
 
+void SlurmOptions::Validate() const {
+  // A line break or a quote in one of them would begin another line of the job script.
+  constexpr std::string_view kAllowed =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+.,:/=@%[]";
+  const auto check = [&](const char* key, const std::string& value, std::string_view allowed) {
+    const size_t bad = value.find_first_not_of(allowed);
+    if (bad == std::string::npos) return;
+    const int code = static_cast<unsigned char>(value[bad]);
+    throw InputError(
+        fmt::format("slurm.{} has a character that is not allowed (code {}, number {}); "
+                    "use letters, digits and {}",
+                    key, code, bad + 1, allowed.substr(62)));
+  };
+  check("partition", partition, kAllowed);
+  check("time", time, kAllowed);
+  check("mem", memory, kAllowed);
+  check("options", options, std::string(kAllowed) + " ");
+}
+
 std::string JobScript(const SlurmJob& job) {
   CheckSettings("SlurmOptions", job.options);
+  job.options.Validate();
   const SlurmOptions& o = job.options;
   const std::string log =
       (job.out / kSlurmFolder / fmt::format("shard_%a_of_{}.log", o.shards)).string();
+  CheckInput(log.find('\n') == std::string::npos,
+             "the results folder has a line break in its name; choose another name with --out");
   std::string text = "#!/bin/sh\n#SBATCH --job-name=pickbed\n#SBATCH --requeue\n";
   const auto option = [&](const std::string& name, const std::string& value) {
     if (!value.empty()) text += fmt::format("#SBATCH --{}={}\n", name, value);
@@ -199,7 +221,7 @@ std::vector<ShardState> ShardStates(const Sweep& sweep, const std::filesystem::p
     CheckInput(*stored == HeadOf(sweep, folder).identity || stored->empty(),
                fmt::format("{} has results of other settings; choose another results folder",
                            folder.string()));
-    const ResultsStore store = ResultsStore::OpenToRead(folder);
+    const ResultsStore store = ResultsStore::OpenToRead(folder, StoreChecks::kVersion);
     state.done = static_cast<int>(store.FinishedTrials().size());
     state.crashed = static_cast<int>(store.Crashed().size());
     for (const auto& [trial, outcome] : store.Outcomes()) state.outcomes.push_back(outcome);

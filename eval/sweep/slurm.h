@@ -29,6 +29,8 @@ struct SlurmOptions {
   std::string options;  // additional sbatch options, separated by spaces
 
   void Visit(SettingsVisitor& v);
+  // Throws InputError for a text that could begin another line of the job script.
+  void Validate() const;
 };
 
 // A sweep to be submitted.

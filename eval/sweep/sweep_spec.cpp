@@ -48,8 +48,9 @@ std::vector<std::string> RangeOf(const SettingsTree& entry) {
   int used = 0;
   const int read = std::sscanf(entry.text.c_str(), "%lld..%lld%n", &from, &to, &used);
   if (read != 2 || used != static_cast<int>(entry.text.size())) return {};
-  if (from > to || to - from >= kMaxConfigurations)
-    Fail(entry, "must be ascending, for example 1..10");
+  // Unsigned, because the difference of two numbers can exceed long long.
+  const auto steps = static_cast<unsigned long long>(to) - static_cast<unsigned long long>(from);
+  if (from > to || steps >= kMaxConfigurations) Fail(entry, "must be ascending, for example 1..10");
   std::vector<std::string> numbers;
   for (long long number = from; number <= to; ++number) numbers.push_back(std::to_string(number));
   return numbers;
@@ -170,7 +171,7 @@ int TrialsOf(const SettingsTree& entry) {
 std::string ScenarioOf(const SettingsTree& entry, const std::filesystem::path& file) {
   const std::filesystem::path beside =
       std::filesystem::absolute(file).parent_path() / std::filesystem::path(entry.text);
-  if (entry.kind == Kind::kValue && std::filesystem::is_regular_file(beside)) {
+  if (entry.kind == Kind::kValue && IsRegularFile(beside)) {
     return beside.lexically_normal().string();
   }
   const std::vector<std::string> presets = PresetNames();
@@ -310,6 +311,11 @@ SweepSpec LoadSweepSpec(const std::filesystem::path& file) {
   }
   if (const SettingsTree* slurm = tree.Find("slurm")) {
     ReadSettingsBlock(*slurm, [&](SettingsVisitor& v) { spec.slurm.Visit(v); });
+    try {
+      spec.slurm.Validate();
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", slurm->place, error.what()));
+    }
   }
   const SettingsTree* grid = tree.Find("grid");
   CheckInput(grid != nullptr,
@@ -397,7 +403,7 @@ std::string SweepText(const SweepSpec& spec, const std::filesystem::path& out) {
 
 void RequireNoOtherSweep(const std::filesystem::path& out, const std::string& yaml) {
   const std::filesystem::path file = out / kSweepFile;
-  if (!std::filesystem::is_regular_file(file)) return;
+  if (!IsRegularFile(file)) return;
   CheckInput(WithoutSlurm(WithCurrentNames(ReadFileBytes(file))) == WithoutSlurm(yaml),
              fmt::format("{} belongs to a sweep with other settings; choose another results folder",
                          file.string()));

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "scenes/base/cache_lock.h"
+#include "scenes/base/cache_file.h"
 #include "scenes/base/settings.h"
 #include "scenes/objects/object_catalog.h"
 
@@ -55,7 +55,7 @@ uint64_t Key(const ObjectModel& model, const Gripper& gripper, GraspCandidateOpt
 }
 
 std::string ToBytes(const std::vector<GraspCandidate>& candidates) {
-  std::string bytes = kVersion;
+  std::string bytes;
   for (const GraspCandidate& candidate : candidates) {
     double numbers[kNumbersEach];
     Eigen::Map<PoseRows> rows(numbers);
@@ -71,14 +71,13 @@ std::string ToBytes(const std::vector<GraspCandidate>& candidates) {
   return bytes;
 }
 
-std::optional<std::vector<GraspCandidate>> FromBytes(const std::string& bytes) {
-  const std::string version = kVersion;
+std::vector<GraspCandidate> FromBytes(const std::string& bytes) {
   const size_t each = kNumbersEach * sizeof(double);
-  if (!bytes.starts_with(version) || (bytes.size() - version.size()) % each != 0) return {};
-  std::vector<GraspCandidate> candidates((bytes.size() - version.size()) / each);
+  CheckInput(bytes.size() % each == 0, "a candidate is cut short");
+  std::vector<GraspCandidate> candidates(bytes.size() / each);
   for (size_t i = 0; i < candidates.size(); ++i) {
     double numbers[kNumbersEach];
-    std::memcpy(numbers, bytes.data() + version.size() + i * each, each);
+    std::memcpy(numbers, bytes.data() + i * each, each);
     candidates[i].X_OG.matrix().topRows<3>() = Eigen::Map<const PoseRows>(numbers);
     candidates[i].width_m = numbers[12];
     candidates[i].depth_m = numbers[13];
@@ -88,12 +87,6 @@ std::optional<std::vector<GraspCandidate>> FromBytes(const std::string& bytes) {
     candidates[i].place_quality = numbers[17];
   }
   return candidates;
-}
-
-std::optional<std::vector<GraspCandidate>> ReadCandidates(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return std::nullopt;
-  return FromBytes(std::string(std::istreambuf_iterator<char>(in), {}));
 }
 
 }  // namespace
@@ -132,16 +125,12 @@ std::vector<GraspCandidate> CachedCandidates(const ObjectModel& model, const Gri
   gripper.Check();
   CheckSettings("GraspCandidateOptions", options);
   const uint64_t key = Key(model, gripper, options);
-  const std::filesystem::path file = CacheDir() / "grasps" / fmt::format("{:016x}", key);
-  if (auto candidates = ReadCandidates(file)) return *std::move(candidates);
-  std::filesystem::create_directories(file.parent_path());
-  const CacheLock lock(file);
-  if (auto candidates = ReadCandidates(file)) return *std::move(candidates);
-  // The seed is the key, so that deleting the cache does not change the candidates.
-  Rng rng(key);
-  auto candidates = MakeCandidates(model, gripper, rng, options);
-  WriteFileAtomically(file, ToBytes(candidates));
-  return candidates;
+  const std::filesystem::path file = CacheDir() / "grasps" / fmt::format("{:016x}.grasps", key);
+  const auto make = [&] {
+    Rng rng(key);  // the same candidates after the cache was deleted
+    return MakeCandidates(model, gripper, rng, options);
+  };
+  return Cached(file, FromBytes, make, ToBytes);
 }
 
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "perception/completion/byte_blocks.h"
+#include "scenes/base/byte_blocks.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 

@@ -302,7 +302,7 @@ std::string CompletionNetwork::TrainingState() const {
 }
 
 void CompletionNetwork::RestoreTrainingState(const std::string& bytes) {
-  RestoreTrainingStateOf(bytes, impl_->device, *impl_->net, impl_->adam);
+  RestoreTrainingStateOf(bytes, *impl_->net, impl_->adam);
 }
 
 void AppendQuery(const CompletionInput& input, const Eigen::Vector3f& p_C,

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "perception/completion/byte_blocks.h"
 #include "perception/completion/completion_file.h"
 #include "perception/completion/sample_stream.h"
+#include "scenes/base/byte_blocks.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/base/parallel.h"

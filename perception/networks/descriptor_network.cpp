@@ -179,7 +179,7 @@ std::string DescriptorNetwork::TrainingState() const {
 }
 
 void DescriptorNetwork::RestoreTrainingState(const std::string& bytes) {
-  RestoreTrainingStateOf(bytes, impl_->device, impl_->network->module(), impl_->adam);
+  RestoreTrainingStateOf(bytes, impl_->network->module(), impl_->adam);
 }
 
 PatchVoter VoterOf(const DescriptorNetwork& network, int threads) {

@@ -1,13 +1,9 @@
 #include "perception/networks/model_file.h"
 
 #include <fmt/format.h>
-#include <torch/serialize/archive.h>
-#include <torch/types.h>
-
-#include <sstream>
 
 #include "perception/features/patch.h"
-#include "perception/networks/torch_runtime.h"
+#include "perception/networks/tensor_file.h"
 #include "perception/networks/verifier_file.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -18,15 +14,10 @@ namespace pickbed::perception {
 namespace {
 
 // Increase it when the meaning of the file changes; older programs then reject the file.
-constexpr int64_t kModelVersion = 9;
+constexpr int kModelVersion = 9;
 // Version 3 has no recall. Versions 3 and 4 have only one kind of network.
-constexpr int64_t kOldestVersion = 3;
-constexpr const char* kModelMagic = "pickbed descriptor model";
-
-std::vector<float> ToValues(const at::Tensor& tensor) {
-  const at::Tensor values = tensor.to(torch::kFloat).contiguous();
-  return {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()};
-}
+constexpr int kOldestVersion = 3;
+constexpr const char* kModelKind = "descriptor model";
 
 uint64_t HashValues(const std::vector<float>& weights, const std::vector<float>& verifier) {
   const uint64_t hash = HashBytes(weights.data(), weights.size() * sizeof(float));
@@ -38,47 +29,24 @@ std::string InfoText(ModelInfo info) {
   return WriteSettings([&](SettingsVisitor& v) { info.Visit(v); });
 }
 
-DescriptorModel ReadModelArchive(const std::string& bytes, const std::string& name) {
-  torch::serialize::InputArchive archive;
-  archive.load_from(bytes.data(), bytes.size());
-  c10::IValue value;
-  archive.read("magic", value);
-  CheckInput(value.isString() && value.toStringRef() == kModelMagic,
-             "it is not a descriptor model");
-  archive.read("version", value);
-  const int64_t version = value.toInt();
-  CheckInput(version <= kModelVersion,
-             fmt::format("it is of version {}, newer than this program, which reads up to {}",
-                         version, kModelVersion));
-  CheckInput(version >= kOldestVersion,
-             fmt::format("it is of version {}, older than {}", version, kOldestVersion));
-  archive.read("info", value);
-  const std::string info_text = value.toStringRef();
-  at::Tensor weights, verifier;
-  archive.read("weights", weights);
-  archive.read("verifier", verifier);
-  archive.read("training", value);
-  const std::string training_text = value.toStringRef();
-  archive.read("hash", value);
-  const std::vector<float> weight_values = ToValues(weights), verifier_values = ToValues(verifier);
-  const uint64_t hash = HashValues(weight_values, verifier_values);
-  CheckInput(
-      static_cast<uint64_t>(value.toInt()) == HashBytes(info_text.data(), info_text.size(), hash),
-      "its check sum is wrong");
+DescriptorModel ParseModel(const std::string& bytes, const std::string& name) {
+  const TensorFile file = TensorFile::Parse(bytes, kModelKind, kOldestVersion, kModelVersion);
+  const std::vector<float> weights = file.Floats("weights"), verifier = file.Floats("verifier");
+  const uint64_t hash = HashValues(weights, verifier);
+  const int version = file.version();
   ModelInfo info;
-  info.training = training_text;
-  ReadSettingsText(info_text, name, [&](SettingsVisitor& v) { info.Visit(v); });
+  info.training = file.Text("training");
+  ReadSettingsText(file.Text("info"), name, [&](SettingsVisitor& v) { info.Visit(v); });
   DescriptorNetwork network(info.network, 0, static_cast<int>(info.objects.size()));
-  network.SetWeights(weight_values);
-  const uint64_t network_hash =
-      HashBytes(weight_values.data(), weight_values.size() * sizeof(float));
-  constexpr int64_t kWithSurroundings = 6, kWithOutline = 7, kWithModes = 8, kWithSupport = 9;
+  network.SetWeights(weights);
+  const uint64_t network_hash = HashBytes(weights.data(), weights.size() * sizeof(float));
+  constexpr int kWithSurroundings = 6, kWithOutline = 7, kWithModes = 8, kWithSupport = 9;
   const VerifierLayout layout = version < kWithSurroundings ? kWithoutSurroundings
                                 : version < kWithOutline    ? kWithoutOutline
                                 : version < kWithModes      ? kOneCalibration
                                 : version < kWithSupport    ? kWithoutSupport
                                                             : VerifierLayout();
-  std::vector<Verifier> verifiers = VerifiersFrom(verifier_values, info.objects.size(), layout);
+  std::vector<Verifier> verifiers = VerifiersFrom(verifier, info.objects.size(), layout);
   return {info, std::move(network), std::move(verifiers), network_hash, hash};
 }
 
@@ -112,19 +80,14 @@ void SaveModel(const std::filesystem::path& file, const ModelInfo& info,
                const DescriptorNetwork& network, const std::vector<Verifier>& verifiers) {
   const std::vector<float> weights = network.Weights();
   const std::vector<float> verifier = VerifierValues(verifiers);
-  const std::string text = InfoText(info);
-  const uint64_t hash = HashBytes(text.data(), text.size(), HashValues(weights, verifier));
-  torch::serialize::OutputArchive archive;
-  archive.write("magic", c10::IValue(std::string(kModelMagic)));
-  archive.write("version", c10::IValue(kModelVersion));
-  archive.write("info", c10::IValue(text));
-  archive.write("training", c10::IValue(info.training));
-  archive.write("weights", TensorOf(weights));
-  archive.write("verifier", TensorOf(verifier));
-  archive.write("hash", c10::IValue(static_cast<int64_t>(hash)));
-  std::ostringstream stream;
-  archive.save_to(stream);
-  WriteFileAtomically(file, stream.str());
+  TensorFile content(kModelKind, kModelVersion);
+  content.PutText("info", InfoText(info));
+  content.PutText("training", info.training);
+  content.Put("weights", weights);
+  const auto count = static_cast<int64_t>(verifiers.size());
+  content.Put("verifier", verifier,
+              {count, count ? static_cast<int64_t>(verifier.size()) / count : 0});
+  WriteFileAtomically(file, content.Bytes());
 }
 
 DescriptorModel LoadModel(const std::filesystem::path& file, const std::string& command) {
@@ -137,11 +100,9 @@ DescriptorModel LoadModel(const std::filesystem::path& file, const std::string& 
         fmt::format("{}: {}; train it again with {}", file.string(), reason, command));
   };
   try {
-    return ReadModelArchive(bytes, file.string());
+    return ParseModel(bytes, file.string());
   } catch (const InputError& error) {
     throw fail(error.what());
-  } catch (const c10::Error&) {
-    throw fail("the file is damaged or is not a model");
   }
 }
 

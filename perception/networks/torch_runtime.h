@@ -27,14 +27,12 @@ void SetWeightsOf(torch::nn::Module& module, std::span<const float> weights);
 
 // Returns weights and Adam state as the bytes of a checkpoint.
 std::string TrainingStateOf(const torch::nn::Module& module, const torch::optim::Adam& adam);
-// Restores weights and Adam state on `device`. Throws InputError for damaged bytes.
-void RestoreTrainingStateOf(const std::string& bytes, const torch::Device& device,
-                            torch::nn::Module& module, torch::optim::Adam& adam);
+// Restores weights and Adam state, but not the learning rate. Throws InputError for damaged bytes
+// and if they belong to another network.
+void RestoreTrainingStateOf(const std::string& bytes, torch::nn::Module& module,
+                            torch::optim::Adam& adam);
 
 // Sets the learning rate of all parameter groups.
 void SetLearningRate(torch::optim::Adam& adam, double learning_rate);
-
-// Returns a tensor with a copy of the values.
-at::Tensor TensorOf(const std::vector<float>& values);
 
 }  // namespace pickbed::perception

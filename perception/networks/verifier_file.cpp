@@ -1,22 +1,17 @@
 #include "perception/networks/verifier_file.h"
 
 #include <fmt/format.h>
-#include <torch/serialize/archive.h>
-#include <torch/types.h>
 
-#include <sstream>
-
-#include "perception/networks/torch_runtime.h"
+#include "perception/networks/tensor_file.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
-#include "scenes/base/random.h"
 
 namespace pickbed::perception {
 namespace {
 
-constexpr const char* kVerifierMagic = "pickbed verifiers";
-constexpr int64_t kOldest = 1, kWithOutline = 3, kWithModes = 4, kWithSupport = 5;
-constexpr int64_t kVersion = 5;  // increase it when the meaning of the file changes
+constexpr const char* kKind = "file of verifiers";
+constexpr int kOldest = 1, kWithOutline = 3, kWithModes = 4, kWithSupport = 5;
+constexpr int kVersion = 5;  // increase it when the meaning of the file changes
 
 std::string ObjectsText(std::vector<ModelObject> objects) {
   return WriteSettings([&](SettingsVisitor& v) {
@@ -38,53 +33,19 @@ std::vector<ModelObject> ObjectsFrom(const std::string& text, const std::string&
   return objects;
 }
 
-uint64_t HashOf(const std::string& texts, const std::vector<float>& verifiers,
-                const LearnedNetwork& network) {
-  const auto add = [](const std::vector<float>& values, uint64_t hash) {
-    return HashBytes(values.data(), values.size() * sizeof(float), hash);
-  };
-  const uint64_t hash = add(verifiers, HashBytes(texts.data(), texts.size()));
-  if (network.settings.empty()) return hash;
-  return add(network.weights, HashBytes(network.settings.data(), network.settings.size(), hash));
-}
-
-std::vector<float> ReadValues(torch::serialize::InputArchive& archive, const char* key) {
-  at::Tensor tensor;
-  archive.read(key, tensor);
-  tensor = tensor.to(torch::kFloat).contiguous();
-  return {tensor.data_ptr<float>(), tensor.data_ptr<float>() + tensor.numel()};
-}
-
-std::string ReadText(torch::serialize::InputArchive& archive, const char* key) {
-  c10::IValue value;
-  archive.read(key, value);
-  CheckInput(value.isString(), "the file is damaged");
-  return value.toStringRef();
-}
-
-VerifierFile ReadVerifierArchive(const std::string& bytes, const std::string& name) {
-  torch::serialize::InputArchive archive;
-  archive.load_from(bytes.data(), bytes.size());
-  CheckInput(ReadText(archive, "magic") == kVerifierMagic, "it is not a file of verifiers");
-  c10::IValue value;
-  archive.read("version", value);
-  const int64_t version = value.toInt();
-  CheckInput(version >= kOldest && version <= kVersion,
-             fmt::format("it has version {}, this program reads up to {}", version, kVersion));
-  const std::string objects_text = ReadText(archive, "objects");
+VerifierFile ParseVerifiers(const std::string& bytes, const std::string& name) {
+  const TensorFile file = TensorFile::Parse(bytes, kKind, kOldest, kVersion);
   VerifierFile content;
-  content.estimator = ReadText(archive, "estimator");
-  content.sensor = ReadText(archive, "sensor");
-  content.training = ReadText(archive, "training");
-  const std::vector<float> values = ReadValues(archive, "verifiers");
-  if (archive.try_read("network", value)) {
-    content.network.settings = value.toStringRef();
-    content.network.weights = ReadValues(archive, "weights");
+  content.estimator = file.Text("estimator");
+  content.sensor = file.Text("sensor");
+  content.training = file.Text("training");
+  const std::string objects_text = file.Text("objects");
+  const std::vector<float> values = file.Floats("verifiers");
+  if (file.Has("network")) {
+    content.network.settings = file.Text("network");
+    content.network.weights = file.Floats("weights");
   }
-  archive.read("hash", value);
-  const std::string texts = objects_text + content.estimator + content.sensor + content.training;
-  CheckInput(static_cast<uint64_t>(value.toInt()) == HashOf(texts, values, content.network),
-             "its check sum is wrong");
+  const int version = file.version();
   content.objects = ObjectsFrom(objects_text, name);
   // A training that was stopped before the first object was finished leaves only the network.
   const bool has_verifiers = !content.objects.empty() || !values.empty();
@@ -103,24 +64,17 @@ VerifierFile ReadVerifierArchive(const std::string& bytes, const std::string& na
 
 void SaveVerifiers(const std::filesystem::path& file, const VerifierFile& content) {
   const std::vector<float> values = VerifierValues(content.verifiers);
-  const std::string objects_text = ObjectsText(content.objects);
-  const std::string texts = objects_text + content.estimator + content.sensor + content.training;
-  torch::serialize::OutputArchive archive;
-  archive.write("magic", c10::IValue(std::string(kVerifierMagic)));
-  archive.write("version", c10::IValue(kVersion));
-  archive.write("objects", c10::IValue(objects_text));
-  archive.write("estimator", c10::IValue(content.estimator));
-  archive.write("sensor", c10::IValue(content.sensor));
-  archive.write("training", c10::IValue(content.training));
-  archive.write("verifiers", TensorOf(values));
+  TensorFile stored(kKind, kVersion);
+  stored.PutText("objects", ObjectsText(content.objects));
+  stored.PutText("estimator", content.estimator);
+  stored.PutText("sensor", content.sensor);
+  stored.PutText("training", content.training);
+  stored.Put("verifiers", values);
   if (!content.network.settings.empty()) {
-    archive.write("network", c10::IValue(content.network.settings));
-    archive.write("weights", TensorOf(content.network.weights));
+    stored.PutText("network", content.network.settings);
+    stored.Put("weights", content.network.weights);
   }
-  archive.write("hash", c10::IValue(static_cast<int64_t>(HashOf(texts, values, content.network))));
-  std::ostringstream stream;
-  archive.save_to(stream);
-  WriteFileAtomically(file, stream.str());
+  WriteFileAtomically(file, stored.Bytes());
 }
 
 VerifierFile LoadVerifiers(const std::filesystem::path& file, const std::string& estimator) {
@@ -132,11 +86,9 @@ VerifierFile LoadVerifiers(const std::filesystem::path& file, const std::string&
   const std::string bytes = ReadFileBytes(file);
   VerifierFile content;
   try {
-    content = ReadVerifierArchive(bytes, file.string());
+    content = ParseVerifiers(bytes, file.string());
   } catch (const InputError& error) {
     throw fail(error.what());
-  } catch (const c10::Error&) {
-    throw fail("the file is damaged or holds no verifiers");
   }
   if (content.estimator != estimator) {
     throw fail(fmt::format("its verifiers are for '{}'", content.estimator));

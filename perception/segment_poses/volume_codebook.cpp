@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "perception/completion/byte_blocks.h"
+#include "scenes/base/byte_blocks.h"
 #include "perception/completion/random_view.h"
 #include "perception/features/labelled_patches.h"
 #include "scenes/base/error.h"

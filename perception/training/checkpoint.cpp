@@ -5,38 +5,15 @@
 #include <cstring>
 
 #include "perception/networks/verifier_file.h"
+#include "scenes/base/byte_blocks.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
-#include "scenes/base/random.h"
 
 namespace pickbed::perception {
 namespace {
 
-constexpr uint64_t kMagic = 0x345054504b434950;  // "PICKPTP4", little endian
-
-void Put(std::string& bytes, const void* data, uint64_t size) {
-  bytes.append(reinterpret_cast<const char*>(&size), sizeof size);
-  bytes.append(static_cast<const char*>(data), size);
-}
-
-// Reads length-prefixed blocks in order. Throws InputError if the bytes end too early.
-class Reader {
- public:
-  explicit Reader(std::string_view bytes) : rest_(bytes) {}
-  std::string_view Take() {
-    uint64_t size = 0;
-    CheckInput(rest_.size() >= sizeof size, "cut short");
-    std::memcpy(&size, rest_.data(), sizeof size);
-    rest_.remove_prefix(sizeof size);
-    CheckInput(rest_.size() >= size, "cut short");
-    const std::string_view piece = rest_.substr(0, size);
-    rest_.remove_prefix(size);
-    return piece;
-  }
-
- private:
-  std::string_view rest_;
-};
+constexpr std::string_view kMagic = "PICKCKPT";
+constexpr uint64_t kVersion = 1;
 
 // Number of objects, then per measurement: iteration, at_1, at_8, object_at_1, object_at_8.
 std::vector<double> RecallValues(const std::vector<HeldOutRecall>& history) {
@@ -67,33 +44,20 @@ std::vector<HeldOutRecall> RecallsFrom(const std::vector<double>& values) {
   return history;
 }
 
-template <typename Value>
-void PutAll(std::string& bytes, const std::vector<Value>& values) {
-  Put(bytes, values.data(), values.size() * sizeof(Value));
-}
-
-template <typename Value>
-std::vector<Value> TakeAll(Reader& reader) {
-  const std::string_view bytes = reader.Take();
-  std::vector<Value> values(bytes.size() / sizeof(Value));
-  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(Value));
-  return values;
-}
-
-void PutVerifiers(std::string& bytes, const std::vector<TrainedVerifier>& trained) {
+void PutVerifiers(BlockWriter& writer, const std::vector<TrainedVerifier>& trained) {
   std::vector<Verifier> verifiers;
   std::vector<double> auc;
   for (const TrainedVerifier& each : trained) {
     verifiers.push_back(each.verifier);
     auc.push_back(each.auc);
   }
-  PutAll(bytes, auc);
-  PutAll(bytes, verifiers.empty() ? std::vector<float>{} : VerifierValues(verifiers));
+  writer.Put(auc);
+  writer.Put(verifiers.empty() ? std::vector<float>{} : VerifierValues(verifiers));
 }
 
-std::vector<TrainedVerifier> TakeVerifiers(Reader& reader) {
-  const std::vector<double> auc = TakeAll<double>(reader);
-  const std::vector<float> values = TakeAll<float>(reader);
+std::vector<TrainedVerifier> TakeVerifiers(BlockReader& reader) {
+  const std::vector<double> auc = reader.TakeAll<double>();
+  const std::vector<float> values = reader.TakeAll<float>();
   if (auc.empty()) return {};
   const std::vector<Verifier> verifiers = VerifiersFrom(values, auc.size());
   std::vector<TrainedVerifier> trained;
@@ -102,20 +66,14 @@ std::vector<TrainedVerifier> TakeVerifiers(Reader& reader) {
 }
 
 Checkpoint Parse(std::string_view bytes) {
-  uint64_t head[2] = {};
-  CheckInput(bytes.size() >= sizeof head, "cut short");
-  std::memcpy(head, bytes.data(), sizeof head);
-  bytes.remove_prefix(sizeof head);
-  CheckInput(head[0] == kMagic, "no checkpoint of this version");
-  CheckInput(head[1] == HashBytes(bytes.data(), bytes.size()), "damaged");
-  Reader reader(bytes);
+  BlockReader reader(bytes, kMagic, kVersion, "a checkpoint");
   Checkpoint checkpoint;
   checkpoint.key = reader.Take();
   const std::string_view iteration = reader.Take();
   CheckInput(iteration.size() == sizeof checkpoint.iteration, "damaged");
   std::memcpy(&checkpoint.iteration, iteration.data(), iteration.size());
-  checkpoint.loss_history = TakeAll<double>(reader);
-  checkpoint.recall_history = RecallsFrom(TakeAll<double>(reader));
+  checkpoint.loss_history = reader.TakeAll<double>();
+  checkpoint.recall_history = RecallsFrom(reader.TakeAll<double>());
   checkpoint.training_state = reader.Take();
   checkpoint.verifiers = TakeVerifiers(reader);
   return checkpoint;
@@ -124,15 +82,14 @@ Checkpoint Parse(std::string_view bytes) {
 }  // namespace
 
 void WriteCheckpoint(const std::filesystem::path& file, const Checkpoint& checkpoint) {
-  std::string body;
-  Put(body, checkpoint.key.data(), checkpoint.key.size());
-  Put(body, &checkpoint.iteration, sizeof checkpoint.iteration);
-  PutAll(body, checkpoint.loss_history);
-  PutAll(body, RecallValues(checkpoint.recall_history));
-  Put(body, checkpoint.training_state.data(), checkpoint.training_state.size());
-  PutVerifiers(body, checkpoint.verifiers);
-  const uint64_t head[2] = {kMagic, HashBytes(body.data(), body.size())};
-  WriteFileAtomically(file, std::string(reinterpret_cast<const char*>(head), sizeof head) + body);
+  BlockWriter writer;
+  writer.Put(checkpoint.key);
+  writer.Put(&checkpoint.iteration, sizeof checkpoint.iteration);
+  writer.Put(checkpoint.loss_history);
+  writer.Put(RecallValues(checkpoint.recall_history));
+  writer.Put(checkpoint.training_state);
+  PutVerifiers(writer, checkpoint.verifiers);
+  WriteFileAtomically(file, writer.Bytes(kMagic, kVersion));
 }
 
 Checkpoint ReadCheckpoint(const std::filesystem::path& file, const std::string& key) {

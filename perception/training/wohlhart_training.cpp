@@ -276,8 +276,7 @@ std::string WohlhartTrainer::Key() const {
 void WohlhartTrainer::Restore() {
   if (job_.checkpoint.empty() || !std::filesystem::exists(job_.checkpoint)) return;
   const Checkpoint checkpoint = ReadCheckpoint(job_.checkpoint, Key());
-  RestoreTrainingStateOf(checkpoint.training_state, network_->impl_->device,
-                         *network_->impl_->layers, adam_);
+  RestoreTrainingStateOf(checkpoint.training_state, *network_->impl_->layers, adam_);
   iteration_ = checkpoint.iteration;
   losses_ = checkpoint.loss_history;
 }

@@ -1,6 +1,8 @@
 #include "scenes/base/files.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,7 +13,9 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
+#include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "scenes/base/error.h"
 
@@ -37,13 +41,16 @@ const char* WhatToDo(int error) {
   return "";
 }
 
+// In the name of a temporary file, before the process id.
+constexpr std::string_view kTemporary = ".tmp-";
+
 // A temporary file beside the target, removed unless it was renamed away.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const fs::path& target) : target_(target) {
     // The process id and a counter make the name unique over workers and threads.
     static std::atomic<unsigned> counter{0};
-    path_ = target.string() + "." + std::to_string(getpid()) + "." + std::to_string(counter++);
+    path_ = fmt::format("{}{}{}-{}", target.string(), kTemporary, getpid(), counter++);
     descriptor_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ < 0) Fail();
   }
@@ -135,6 +142,16 @@ std::vector<std::string> StemsIn(const std::filesystem::path& folder,
   return stems;
 }
 
+bool Exists(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path, error);
+}
+
+bool IsRegularFile(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
 void MakeFolder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -144,6 +161,9 @@ void MakeFolder(const fs::path& folder) {
 
 std::string ReadFileBytes(const fs::path& path) {
   CheckInput(!fs::is_directory(path), "cannot read '" + path.string() + "': it is a folder");
+  // A pipe would wait, a device would not end.
+  CheckInput(!Exists(path) || IsRegularFile(path),
+             "cannot read '" + path.string() + "': it is no regular file; copy its content to one");
   std::ifstream file(path, std::ios::binary);
   CheckInput(file.good(), "cannot read '" + path.string() + "': " + std::strerror(errno));
   std::ostringstream bytes;
@@ -160,6 +180,24 @@ std::string ReadFileText(const fs::path& path) {
 void RequireWritable(const fs::path& path) {
   CheckInput(!fs::is_directory(path), "cannot write '" + path.string() + "': it is a folder");
   const TemporaryFile probe(path);
+}
+
+void RemoveTemporaries(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> left;
+  for (fs::recursive_directory_iterator next(folder, error), end; !error && next != end;
+       next.increment(error)) {
+    if (next->is_directory(error) && Exists(next->path() / kLockFile)) {
+      next.disable_recursion_pending();
+      continue;
+    }
+    const std::string name = next->path().filename().string();
+    const size_t at = name.rfind(kTemporary);
+    if (at == std::string::npos || !next->is_regular_file(error)) continue;
+    const pid_t process = std::atoi(name.c_str() + at + kTemporary.size());
+    if (process > 0 && kill(process, 0) != 0 && errno == ESRCH) left.push_back(next->path());
+  }
+  for (const fs::path& file : left) fs::remove(file, error);
 }
 
 void WriteFileAtomically(const fs::path& path, const std::string& bytes) {

@@ -24,6 +24,11 @@ std::filesystem::path CacheDir();
 // result is empty when the folder does not exist.
 std::vector<std::string> StemsIn(const std::filesystem::path& folder, const std::string& extension);
 
+// Return whether there is a file or folder, or a regular file. A name that is too long is no file,
+// while the functions of the standard library throw.
+bool Exists(const std::filesystem::path& path);
+bool IsRegularFile(const std::filesystem::path& path);
+
 // Creates a folder with all its parents, if needed. Throws InputError with the path and the
 // system's reason.
 void MakeFolder(const std::filesystem::path& folder);
@@ -38,6 +43,14 @@ inline constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";
 // Writes bytes to `path` through a temporary file and an atomic rename. Throws InputError with the
 // path and the system's reason (no space left, no permission). The old file then stays unchanged.
 void WriteFileAtomically(const std::filesystem::path& path, const std::string& bytes);
+
+// Name of the file whose lock belongs to the one process that may write in its folder.
+inline constexpr char kLockFile[] = "lock";
+
+// Removes temporary files of WriteFileAtomically() whose process no longer runs, in a folder and
+// below. Sub-folders that have their own lock file are skipped: another machine could write there.
+// The caller holds the lock of the folder.
+void RemoveTemporaries(const std::filesystem::path& folder);
 
 // Throws InputError when no file can be created at `path`. Call it before long work whose result is
 // written there.

@@ -2,18 +2,19 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <optional>
 #include <sstream>
 
 #include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 #include "scenes/base/setting_rules.h"
 #include "scenes/base/settings_names.h"
+#include "scenes/base/yaml.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -191,9 +192,7 @@ class Reader : public SettingsVisitor {
   static std::string Flat(const YAML::Node& node) {
     YAML::Emitter out;
     out << YAML::Flow << node;
-    std::string text = out.c_str();
-    if (text.size() > 60) text = text.substr(0, 57) + "...";
-    return text;
+    return OneLine(out.c_str());
   }
 
   [[noreturn]] void Fail(const YAML::Node& node, const std::string& key,
@@ -355,18 +354,9 @@ class Writer : public SettingsVisitor {
   std::string text_;
 };
 
-YAML::Node Parse(const std::string& yaml, const std::string& source) {
-  try {
-    return YAML::Load(yaml);
-  } catch (const YAML::ParserException& error) {
-    throw InputError(
-        fmt::format("{}:{}: not valid YAML: {}", source, error.mark.line + 1, error.msg));
-  }
-}
-
 KeyPlaces Read(const CurrentText& yaml, const std::string& name_for_errors,
                const VisitFunction& visit) {
-  Reader reader(Parse(yaml.text, name_for_errors), name_for_errors, true);
+  Reader reader(ParseYaml(yaml.text, name_for_errors), name_for_errors, true);
   visit(reader);
   reader.RejectUnknownKeys();
   return reader.places();
@@ -380,13 +370,10 @@ KeyPlaces ReadSettingsText(const std::string& yaml, const std::string& name_for_
 }
 
 KeyPlaces ReadSettingsFile(const std::filesystem::path& file, const VisitFunction& visit) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file)) {
-    throw InputError(fmt::format("{}: cannot be read; check the path", file.string()));
-  }
-  std::ostringstream text;
-  text << in.rdbuf();
-  const CurrentText yaml = WithCurrentNames(text.str(), visit);
+  CheckInput(IsRegularFile(file), fmt::format("{}: cannot be read; check the path", file.string()));
+  const std::string text = ReadFileBytes(file);
+  ParseYaml(text, file.string());  // its errors name the file
+  const CurrentText yaml = WithCurrentNames(text, visit);
   KeyPlaces places = Read(yaml, file.string(), visit);
   if (!yaml.replaced.empty()) ReportDeprecation(DeprecationLine(file.string(), yaml.replaced));
   return places;
@@ -400,7 +387,7 @@ KeyPlaces ApplySetting(const std::string& given, const VisitFunction& visit) {
   if (equals == std::string::npos || equals == 0) {
     throw InputError(fmt::format("{}: expected key=value, such as bin.wall_m=0.004", source));
   }
-  YAML::Node value = Parse(assignment.substr(equals + 1), source);
+  YAML::Node value = ParseYaml(assignment.substr(equals + 1), source);
   std::vector<std::string> keys;
   std::stringstream path(assignment.substr(0, equals));
   for (std::string key; std::getline(path, key, '.');) keys.push_back(key);

@@ -1,10 +1,10 @@
 #include "scenes/base/settings_tree.h"
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/yaml.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -56,20 +56,13 @@ const SettingsTree* SettingsTree::Find(const std::string& name) const {
 }
 
 SettingsTree ReadSettingsTreeText(const std::string& yaml, const std::string& name_for_errors) {
-  YAML::Node node;
-  try {
-    node = YAML::Load(yaml);
-  } catch (const YAML::ParserException& error) {
-    throw InputError(
-        fmt::format("{}:{}: not valid YAML: {}", name_for_errors, error.mark.line + 1, error.msg));
-  }
+  const YAML::Node node = ParseYaml(yaml, name_for_errors);
   CheckInput(node.IsMap(), fmt::format("{}: expected 'key: value' lines", name_for_errors));
   return ToTree(node, name_for_errors, "");
 }
 
 SettingsTree ReadSettingsTree(const std::filesystem::path& file) {
-  CheckInput(std::filesystem::is_regular_file(file),
-             fmt::format("{}: cannot be read; check the path", file.string()));
+  CheckInput(IsRegularFile(file), fmt::format("{}: cannot be read; check the path", file.string()));
   return ReadSettingsTreeText(ReadFileBytes(file), file.string());
 }
 

@@ -13,11 +13,46 @@
 namespace pickbed::scenes {
 namespace {
 
+uint64_t BigEndian(const std::string& bytes, size_t at, int count) {
+  uint64_t number = 0;
+  for (int i = 0; i < count; ++i) number = number << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return number;
+}
+
+// Returns the number of pixels that the header of a PNG or JPEG names; 0 for other formats.
+int64_t PixelsInHeader(const std::string& bytes) {
+  constexpr size_t kPngSize = 16, kJpegFrame = 9;
+  if (bytes.starts_with("\x89PNG") && bytes.size() >= kPngSize + 8) {
+    const uint64_t width = BigEndian(bytes, kPngSize, 4),
+                   height = BigEndian(bytes, kPngSize + 4, 4);
+    return static_cast<int64_t>(std::min(width * height, uint64_t{1} << 62));
+  }
+  if (!bytes.starts_with("\xff\xd8")) return 0;
+  for (size_t at = 2; at + kJpegFrame < bytes.size() && bytes[at] == '\xff';) {
+    const auto marker = static_cast<unsigned char>(bytes[at + 1]);
+    const bool is_frame =
+        marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+    if (is_frame) {
+      return static_cast<int64_t>(BigEndian(bytes, at + 5, 2) * BigEndian(bytes, at + 7, 2));
+    }
+    at += 2 + BigEndian(bytes, at + 2, 2);
+  }
+  return 0;
+}
+
+// The largest image that is decoded. A PNG of a megabyte can hold an image of gigabytes.
+constexpr int64_t kMaxPixels = int64_t{1} << 26;
+
+// Returns an empty matrix if the bytes are no image, or one that is too large.
 cv::Mat Decode(const std::string& bytes, int flags) {
-  if (bytes.empty()) return {};
+  if (bytes.empty() || PixelsInHeader(bytes) > kMaxPixels) return {};
   const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1,
                         const_cast<char*>(bytes.data()));
-  return cv::imdecode(encoded, flags);
+  try {
+    return cv::imdecode(encoded, flags);
+  } catch (const cv::Exception&) {  // for instance of a size that OpenCV refuses
+    return {};
+  }
 }
 
 // The level is fixed, so that the same image gives the same bytes. Level 3 is twice as fast as
@@ -46,7 +81,8 @@ cv::Mat MatOf(const Image<Pixel>& image, int type) {
 template <typename Pixel>
 Image<Pixel> ReadChannel(const std::filesystem::path& path, int type, const char* what) {
   const cv::Mat pixels = Decode(ReadFileBytes(path), cv::IMREAD_UNCHANGED);
-  CheckInput(!pixels.empty(), "cannot read '" + path.string() + "': it is no image");
+  CheckInput(!pixels.empty(), "cannot read '" + path.string() +
+                                  "': it is no image, or one of more than 67 million pixels");
   CheckInput(pixels.type() == type, "cannot read '" + path.string() + "' as " + what);
   Image<Pixel> image(pixels.cols, pixels.rows);
   for (int y = 0; y < pixels.rows; ++y) {
@@ -123,7 +159,8 @@ std::optional<Image<Rgb8>> DecodeImage(const std::string& bytes) {
 
 Image<Rgb8> ReadPng(const std::filesystem::path& path) {
   std::optional<Image<Rgb8>> image = DecodeImage(ReadFileBytes(path));
-  CheckInput(image.has_value(), "cannot read '" + path.string() + "': it is no image");
+  CheckInput(image.has_value(), "cannot read '" + path.string() +
+                                    "': it is no image, or one of more than 67 million pixels");
   return *std::move(image);
 }
 

@@ -12,6 +12,7 @@
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -107,7 +108,9 @@ NumpyHeader ReadNumpyHeader(const std::string& bytes, const std::string& name) {
   const auto value_of = [&](const std::string& key) {
     const size_t at = text.find("'" + key + "':");
     require(at != std::string::npos, "its NumPy header has no '" + key + "'");
-    return text.substr(text.find_first_not_of(' ', at + key.size() + 3));
+    const size_t from = text.find_first_not_of(' ', at + key.size() + 3);
+    require(from != std::string::npos, "its NumPy header has no value of '" + key + "'");
+    return text.substr(from);
   };
   const std::string type = value_of("descr");
   require(type.size() > 4 && type[0] == '\'' && (type[1] == '<' || type[1] == '|'),
@@ -125,7 +128,7 @@ NumpyHeader ReadNumpyHeader(const std::string& bytes, const std::string& name) {
   const std::string shape = value_of("shape");
   for (const char* at = shape.c_str() + 1; *at != '\0' && *at != ')';) {
     int size = 0;
-    const auto [end, error] = std::from_chars(at, at + 10, size);
+    const auto [end, error] = std::from_chars(at, shape.c_str() + shape.size(), size);
     if (error != std::errc()) {
       ++at;
       continue;
@@ -135,7 +138,7 @@ NumpyHeader ReadNumpyHeader(const std::string& bytes, const std::string& name) {
   }
   if (header.shape.size() == 3 && header.shape[2] == 1) header.shape.pop_back();
   require(header.shape.size() == 2, "the array has the shape " +
-                                        shape.substr(0, shape.find(')') + 1) +
+                                        OneLine(shape.substr(0, shape.find(')') + 1)) +
                                         "; depth has the shape (height, width)");
   require(header.shape[0] > 0 && header.shape[1] > 0 && header.shape[0] <= kMaxSide &&
               header.shape[1] <= kMaxSide,

@@ -1,252 +1,93 @@
 #include "scenes/mesh_io/mesh_io.h"
 
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <assimp/Importer.hpp>
-#include <cctype>
-#include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <utility>
+#include <vector>
 
+#include "scenes/base/byte_blocks.h"
+#include "scenes/base/cache_file.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/isolated_call.h"
+#include "scenes/base/random.h"
+#include "scenes/geometry/mesh_bytes.h"
 #include "scenes/image/image_io.h"
-#include "scenes/mesh_io/mesh_join.h"
+#include "scenes/mesh_io/mesh_file_check.h"
+#include "scenes/mesh_io/mesh_import.h"
 
 namespace pickbed::scenes {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kNoTexture = -1;
+// Part of the file name. Raise it when the import gives another mesh.
+constexpr int kImportVersion = 1;
 
-Eigen::Vector3d ToEigen(const aiVector3D& v) { return {v.x, v.y, v.z}; }
-
-Eigen::Affine3d ToEigen(const aiMatrix4x4& m) {
-  Eigen::Affine3d T;
-  T.matrix() << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, 0, 0, 0, 1;
-  return T;
+// Hash of the content of a file, 0 = there is none.
+uint64_t HashOfFile(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return 0;
+  const std::string bytes = ReadFileBytes(file);
+  return HashBytes(bytes.data(), bytes.size());
 }
 
-uint8_t ToByte(float channel) {
-  return static_cast<uint8_t>(std::lround(255 * std::clamp(channel, 0.f, 1.f)));
-}
-
-Rgb8 ToRgb(const aiColor4D& c) { return {ToByte(c.r), ToByte(c.g), ToByte(c.b)}; }
-
-// ---- Materials ----
-
-// Loads each colour texture of a file once and finds it by name.
-class TextureShelf {
- public:
-  TextureShelf(const aiScene& scene, const fs::path& folder) : scene_(scene), folder_(folder) {}
-
-  // Returns the index of the material's texture, or kNoTexture if it has none or it is unreadable.
-  int IndexOf(const aiMaterial& material) {
-    aiString name;
-    if (material.GetTexture(aiTextureType_BASE_COLOR, 0, &name) != aiReturn_SUCCESS &&
-        material.GetTexture(aiTextureType_DIFFUSE, 0, &name) != aiReturn_SUCCESS) {
-      return kNoTexture;
-    }
-    const auto [known, is_new] = index_by_name_.try_emplace(name.C_Str(), kNoTexture);
-    if (!is_new) return known->second;
-    std::optional<Image<Rgb8>> image = Read(name.C_Str());
-    if (!image) return kNoTexture;
-    images_.push_back(*std::move(image));
-    return known->second = static_cast<int>(images_.size()) - 1;
+// The blocks are the names of the used files, their hashes, the report and the mesh.
+std::string ToBytes(const ImportedMesh& imported) {
+  std::string names;
+  std::vector<uint64_t> hashes;
+  for (const fs::path& file : imported.used) {
+    names += file.string() + '\0';
+    hashes.push_back(HashOfFile(file));
   }
+  BlockWriter writer;
+  writer.Put(names);
+  writer.Put(hashes);
+  writer.Put(std::vector<int>{imported.report.degenerate_faces, imported.report.bad_normals});
+  writer.Put(MeshToBytes(imported.mesh));
+  return writer.body();
+}
 
-  const Image<Rgb8>& image(int index) const { return images_[index]; }
-
- private:
-  std::optional<Image<Rgb8>> Read(const std::string& name) const {
-    if (const aiTexture* embedded = scene_.GetEmbeddedTexture(name.c_str())) {
-      if (embedded->mHeight != 0) return FromTexels(*embedded);
-      return DecodeImage(
-          std::string(reinterpret_cast<const char*>(embedded->pcData), embedded->mWidth));
-    }
-    // Exporters write paths of their own machine. The image is then often in the mesh's folder.
-    std::string portable = name;
-    std::replace(portable.begin(), portable.end(), '\\', '/');
-    for (const fs::path& path : {folder_ / portable, folder_ / fs::path(portable).filename()}) {
-      std::error_code error;
-      if (fs::is_regular_file(path, error)) return DecodeImage(ReadFileBytes(path));
-    }
-    return std::nullopt;
+// Returns nullopt if a used file has changed since.
+std::optional<ImportedMesh> FromBytes(std::string_view bytes) {
+  BlockReader reader(bytes);
+  ImportedMesh imported;
+  std::string_view names = reader.Take();
+  for (const uint64_t hash : reader.TakeAll<uint64_t>()) {
+    const size_t end = names.find('\0');
+    CheckInput(end != std::string_view::npos, "the names of its files are damaged");
+    const fs::path file = names.substr(0, end);
+    if (HashOfFile(file) != hash) return std::nullopt;
+    imported.used.insert(file);
+    names.remove_prefix(end + 1);
   }
+  const std::vector<int> report = reader.TakeAll<int>();
+  CheckInput(report.size() == 2, "its report is damaged");
+  imported.report = {report[0], report[1] != 0};
+  imported.mesh = MeshFromBytes(reader.Take());
+  return imported;
+}
 
-  static Image<Rgb8> FromTexels(const aiTexture& texture) {
-    Image<Rgb8> image(static_cast<int>(texture.mWidth), static_cast<int>(texture.mHeight));
-    for (size_t i = 0; i < image.size(); ++i) {
-      image.data()[i] = {texture.pcData[i].r, texture.pcData[i].g, texture.pcData[i].b};
-    }
-    return image;
+// The key has the folder, because files beside the mesh belong to it.
+fs::path CacheFileOf(const fs::path& path, double scale) {
+  const std::string bytes = ReadFileBytes(path);
+  const std::string rest = fmt::format("{} {} {}", path.extension().string(),
+                                       fs::absolute(path).parent_path().string(), scale);
+  const uint64_t hash = HashBytes(rest.data(), rest.size(), HashBytes(bytes.data(), bytes.size()));
+  return CacheDir() / "meshes" / fmt::format("{:016x}-v{}.mesh", hash, kImportVersion);
+}
+
+ImportedMesh ImportIsolated(const fs::path& path, double scale) {
+  try {
+    const std::string bytes = CallIsolated([&] { return ToBytes(ImportMesh(path, scale)); });
+    return FromBytes(bytes).value();
+  } catch (const IsolationError& error) {
+    RefuseUnreadable(path, std::string("the importer failed: ") + error.what());
   }
-
-  const aiScene& scene_;
-  fs::path folder_;
-  std::map<std::string, int> index_by_name_;
-  std::vector<Image<Rgb8>> images_;
-};
-
-// Returns the material's colour, or the mesh's default colour if the file defines none. In this
-// case assimp gives a material with its default name or, also for a missing .mtl, a grey of 0.6.
-Rgb8 BaseColor(const aiMaterial& material) {
-  const aiColor4D unstated(0.6f, 0.6f, 0.6f, 1.f);
-  aiString name;
-  material.Get(AI_MATKEY_NAME, name);
-  if (name == aiString(AI_DEFAULT_MATERIAL_NAME)) return TriangleMesh().base_color;
-  aiColor4D color = unstated;
-  if (material.Get(AI_MATKEY_BASE_COLOR, color) != aiReturn_SUCCESS) {
-    material.Get(AI_MATKEY_COLOR_DIFFUSE, color);
-  }
-  return color == unstated ? TriangleMesh().base_color : ToRgb(color);
-}
-
-// ---- Submeshes: one assimp mesh at one node ----
-
-// A mesh with three own vertices for each triangle; vertices are not yet joined.
-struct Submesh {
-  TriangleMesh mesh;
-  int texture = kNoTexture;
-};
-
-Submesh MakeSubmesh(const aiMesh& source, const Eigen::Affine3d& T, const aiMaterial& material,
-                    TextureShelf& shelf) {
-  Submesh submesh;
-  TriangleMesh& mesh = submesh.mesh;
-  mesh.base_color = BaseColor(material);
-  if (source.HasTextureCoords(0)) submesh.texture = shelf.IndexOf(material);
-  const Eigen::Matrix3d linear = T.linear();
-  const bool mirrored = linear.determinant() < 0;
-  const bool has_normals = source.HasNormals() && linear.determinant() != 0;
-  const Eigen::Matrix3d for_normals = has_normals ? Eigen::Matrix3d(linear.inverse().transpose())
-                                                  : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
-  for (unsigned f = 0; f < source.mNumFaces; ++f) {
-    const aiFace& face = source.mFaces[f];
-    if (face.mNumIndices != 3) continue;  // a point or a line
-    const int first = static_cast<int>(mesh.vertices.size());
-    mesh.triangles.emplace_back(first, first + (mirrored ? 2 : 1), first + (mirrored ? 1 : 2));
-    for (int k = 0; k < 3; ++k) {
-      const unsigned i = face.mIndices[k];
-      mesh.vertices.push_back(T * ToEigen(source.mVertices[i]));
-      if (has_normals) {
-        mesh.normals.push_back((for_normals * ToEigen(source.mNormals[i])).normalized());
-      }
-      if (submesh.texture != kNoTexture) {
-        const aiVector3D& uv = source.mTextureCoords[0][i];
-        mesh.uvs.emplace_back(uv.x, 1.0 - uv.y);  // assimp counts v from the bottom row
-      }
-      if (source.HasVertexColors(0)) mesh.colors.push_back(ToRgb(source.mColors[0][i]));
-    }
-  }
-  return submesh;
-}
-
-void CollectSubmeshes(const aiScene& scene, const aiNode& node, const Eigen::Affine3d& parent,
-                      TextureShelf& shelf, std::vector<Submesh>& submeshes) {
-  const Eigen::Affine3d T = parent * ToEigen(node.mTransformation);
-  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
-    const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
-    submeshes.push_back(MakeSubmesh(mesh, T, *scene.mMaterials[mesh.mMaterialIndex], shelf));
-  }
-  for (unsigned i = 0; i < node.mNumChildren; ++i) {
-    CollectSubmeshes(scene, *node.mChildren[i], T, shelf, submeshes);
-  }
-}
-
-// Replaces a texture by vertex colours, for files with several textures.
-void BakeTexture(const Image<Rgb8>& texture, TriangleMesh& mesh) {
-  mesh.colors.clear();
-  for (const Eigen::Vector2d& uv : mesh.uvs) {
-    const Eigen::Vector2d wrapped = uv - uv.array().floor().matrix();
-    const int x = std::min(static_cast<int>(wrapped.x() * texture.width()), texture.width() - 1);
-    const int y = std::min(static_cast<int>(wrapped.y() * texture.height()), texture.height() - 1);
-    mesh.colors.push_back(texture(x, y));
-  }
-  mesh.uvs.clear();
-}
-
-// Joins the submeshes into one mesh. A mesh has only one texture, so several become vertex colours.
-TriangleMesh Joined(std::vector<Submesh> submeshes, const TextureShelf& shelf) {
-  const bool one_texture = std::all_of(
-      submeshes.begin(), submeshes.end(),
-      [&](const Submesh& submesh) { return submesh.texture == submeshes.front().texture; });
-  TriangleMesh mesh;
-  for (Submesh& submesh : submeshes) {
-    if (!one_texture && submesh.texture != kNoTexture)
-      BakeTexture(shelf.image(submesh.texture), submesh.mesh);
-    Append(submesh.mesh, mesh);
-  }
-  if (!mesh.uvs.empty()) mesh.texture = shelf.image(submeshes.front().texture);
-  return mesh;
-}
-
-std::string LowerExtension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
-
-[[noreturn]] void RefuseUnreadable(const fs::path& path, const std::string& reason) {
-  throw InputError("cannot read mesh '" + path.string() + "': " + reason +
-                   "; check that the file is complete and that its extension matches its format "
-                   "(.obj .ply .stl .dae .gltf .glb)");
-}
-
-void CheckFaceCount(const fs::path& path, size_t faces) {
-  CheckInput(faces <= kMaxMeshFaces,
-             fmt::format("mesh '{}' has {} faces; reduce it to {} or fewer, for instance with "
-                         "MeshLab's quadric edge collapse",
-                         path.string(), faces, kMaxMeshFaces));
-}
-
-// Rejects a PLY whose header has no end, such as a truncated file. assimp 5.2 never returns from
-// it.
-void CheckPlyHeader(const fs::path& path) {
-  constexpr size_t kLongestLine = 4096;
-  std::ifstream file(path, std::ios::binary);
-  std::string line;
-  for (bool first = true; std::getline(file, line); first = false) {
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (line == "end_header") return;
-    if (first && line != "ply") break;
-    if (line.size() > kLongestLine) break;
-    size_t faces = 0;
-    if (std::sscanf(line.c_str(), "element face %zu", &faces) == 1) CheckFaceCount(path, faces);
-  }
-  RefuseUnreadable(path, "it has no PLY header, or one without end");
-}
-
-// Checks the face count in the header before a large file is read.
-void CheckHeader(const fs::path& path) {
-  constexpr size_t kStlHeader = 84, kStlFace = 50;  // bytes of a binary STL
-  const std::string extension = LowerExtension(path);
-  if (extension == ".ply") CheckPlyHeader(path);
-  if (extension != ".stl") return;
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, kStlHeader> header{};
-  if (!file.read(header.data(), kStlHeader)) return;
-  uint32_t faces = 0;
-  std::memcpy(&faces, header.data() + 80, sizeof(faces));
-  if (fs::file_size(path) == kStlHeader + kStlFace * faces) CheckFaceCount(path, faces);
-}
-
-size_t CountFaces(const aiScene& scene, const aiNode& node) {
-  size_t faces = 0;
-  for (unsigned i = 0; i < node.mNumMeshes; ++i) faces += scene.mMeshes[node.mMeshes[i]]->mNumFaces;
-  for (unsigned i = 0; i < node.mNumChildren; ++i) faces += CountFaces(scene, *node.mChildren[i]);
-  return faces;
 }
 
 }  // namespace
@@ -261,34 +102,14 @@ double UnitInMeters(const std::string& unit) {
 
 TriangleMesh LoadMesh(const fs::path& path, const std::string& unit, MeshLoadReport* report) {
   const double scale = UnitInMeters(unit);
-  const std::string name = path.string();
   std::error_code error;
   CheckInput(fs::is_regular_file(path, error),
-             "mesh '" + name + "' does not exist; check the path");
-  CheckHeader(path);
-  Assimp::Importer importer;
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate);
-  if (scene == nullptr || scene->mRootNode == nullptr) {
-    RefuseUnreadable(path, importer.GetErrorString());
-  }
-  CheckFaceCount(path, CountFaces(*scene, *scene->mRootNode));
-  TextureShelf shelf(*scene, path.parent_path());
-  std::vector<Submesh> submeshes;
-  CollectSubmeshes(*scene, *scene->mRootNode, Eigen::Affine3d(Eigen::Scaling(scale)), shelf,
-                   submeshes);
-  std::erase_if(submeshes, [](const Submesh& submesh) { return submesh.mesh.triangles.empty(); });
-  CheckInput(!submeshes.empty(), "mesh '" + name + "' has no faces; export it as triangles");
-  TriangleMesh mesh = Joined(std::move(submeshes), shelf);
-  const size_t faces = mesh.triangles.size();
-  DropDegenerate(mesh);
-  if (report != nullptr) {
-    report->degenerate_faces = static_cast<int>(faces - mesh.triangles.size());
-    report->bad_normals = !NormalsAreUnit(mesh);
-  }
-  CheckInput(SurfaceArea(mesh) != 0, "mesh '" + name + "' has only faces without area");
-  DropFlatNormals(mesh);
-  return WithEqualVerticesJoined(mesh);
+             "mesh '" + path.string() + "' does not exist; check the path");
+  CheckMeshFile(path);
+  ImportedMesh imported = Cached(
+      CacheFileOf(path, scale), FromBytes, [&] { return ImportIsolated(path, scale); }, ToBytes);
+  if (report != nullptr) *report = imported.report;
+  return std::move(imported.mesh);
 }
 
 namespace {

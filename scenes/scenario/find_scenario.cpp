@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "scenes/base/error.h"
+#include "scenes/base/files.h"
 #include "scenes/scenario/load_objects.h"
 #include "scenes/scenario/object_pool.h"
 
@@ -14,13 +15,13 @@ namespace {
 // Returns the file if it exists, else the preset of that name.
 std::filesystem::path ScenarioFile(const std::string& scenario) {
   const std::filesystem::path file(scenario);
-  if (std::filesystem::exists(file)) {
+  if (Exists(file)) {
     CheckInput(!std::filesystem::is_directory(file),
                fmt::format("{} is a folder; name the scenario file in it", scenario));
     return file;
   }
   const std::filesystem::path preset = PresetsDir() / (scenario + ".yaml");
-  if (!file.has_parent_path() && std::filesystem::exists(preset)) return preset;
+  if (!file.has_parent_path() && Exists(preset)) return preset;
   const std::string message = UnknownNameMessage("scenario", scenario, PresetNames());
   throw InputError(message + " (or the path of a scenario file; no file has this name)");
 }
@@ -29,8 +30,8 @@ std::filesystem::path ScenarioFile(const std::string& scenario) {
 // folder.
 void FindBeside(const std::filesystem::path& folder, std::string& name_or_path) {
   const std::filesystem::path path(name_or_path);
-  if (path.empty() || std::filesystem::exists(path)) return;
-  if (std::filesystem::is_regular_file(folder / path)) name_or_path = (folder / path).string();
+  if (path.empty() || Exists(path)) return;
+  if (IsRegularFile(folder / path)) name_or_path = (folder / path).string();
 }
 
 }  // namespace
@@ -60,7 +61,7 @@ ObjectCatalog OpenCatalog(const std::string& own_folder) {
 
 std::filesystem::path PresetsDir() {
   const std::filesystem::path installed = AssetsDir().parent_path() / "presets";
-  if (std::filesystem::exists(installed)) return installed;
+  if (Exists(installed)) return installed;
   return AssetsDir().parent_path() / "scenes" / "presets";
 }
 

@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <optional>
 #include <sstream>
 
-#include "scenes/base/cache_lock.h"
+#include "scenes/base/cache_file.h"
 #include "scenes/base/error.h"
 #include "scenes/objects/object_catalog.h"
 #include "sim/convex/convex_cuts.h"
@@ -79,8 +77,8 @@ std::vector<Vector3d> Thinned(const std::vector<Vector3d>& vertices, int max_ver
 
 std::filesystem::path CacheFile(const ObjectModel& model, const DecompositionOptions& options) {
   return CacheDir() / "convex" /
-         fmt::format("{:016x}-v{}-{}-{}-{}.txt", model.mesh_hash, kCacheVersion, options.max_pieces,
-                     options.max_vertices, options.max_air_share);
+         fmt::format("{:016x}-v{}-{}-{}-{}.pieces", model.mesh_hash, kCacheVersion,
+                     options.max_pieces, options.max_vertices, options.max_air_share);
 }
 
 std::string ToText(const std::vector<ConvexPiece>& pieces) {
@@ -91,27 +89,24 @@ std::string ToText(const std::vector<ConvexPiece>& pieces) {
       text += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());  // shortest exact text
     }
   }
-  return text + "end\n";
+  return text;
 }
 
-// Returns nullopt if the file is missing or incomplete.
-std::optional<std::vector<ConvexPiece>> ReadPieces(const std::filesystem::path& path) {
-  std::ifstream in(path);
+std::vector<ConvexPiece> FromText(const std::string& text) {
+  std::istringstream in(text);
   size_t count = 0;
-  if (!(in >> count) || count == 0) return std::nullopt;
+  in >> count;
   std::vector<ConvexPiece> pieces;
-  for (size_t i = 0; i < count; ++i) {
+  for (size_t i = 0; i < count && in; ++i) {
     size_t vertices = 0;
-    if (!(in >> vertices)) return std::nullopt;
+    in >> vertices;
     pieces.emplace_back();
-    for (size_t k = 0; k < vertices; ++k) {
-      Vector3d p;
-      if (!(in >> p.x() >> p.y() >> p.z())) return std::nullopt;
+    Vector3d p;
+    for (size_t k = 0; k < vertices && in >> p.x() >> p.y() >> p.z(); ++k) {
       pieces.back().vertices_O.push_back(p);
     }
   }
-  std::string end;
-  if (!(in >> end) || end != "end") return std::nullopt;
+  CheckInput(in && count > 0, "a piece is cut short");
   return pieces;
 }
 
@@ -135,23 +130,15 @@ std::shared_ptr<const ObjectModel> WithConvexPieces(std::shared_ptr<const Object
                                                     const DecompositionOptions& options) {
   if (!model->convex_pieces_O.empty()) return model;
   auto copy = std::make_shared<ObjectModel>(*model);
-  const std::filesystem::path path = CacheFile(*model, options);
-  if (std::optional<std::vector<ConvexPiece>> cached = ReadPieces(path)) {
-    copy->convex_pieces_O = std::move(*cached);
-    return copy;
-  }
-  std::filesystem::create_directories(path.parent_path());
-  const CacheLock lock(path);
-  if (std::optional<std::vector<ConvexPiece>> cached = ReadPieces(path)) {
-    copy->convex_pieces_O = std::move(*cached);
-    return copy;
-  }
-  copy->convex_pieces_O = DecomposeConvex(model->mesh_O, options);
-  CheckInput(
-      !copy->convex_pieces_O.empty(),
-      "object '" + model->name +
-          "' is flat: its mesh encloses no volume, which collisions need; give it a thickness");
-  WriteFileAtomically(path, ToText(copy->convex_pieces_O));
+  const auto make = [&] {
+    std::vector<ConvexPiece> pieces = DecomposeConvex(model->mesh_O, options);
+    CheckInput(!pieces.empty(),
+               "object '" + model->name +
+                   "' is flat: its mesh encloses no volume, which collisions need; give it a "
+                   "thickness");
+    return pieces;
+  };
+  copy->convex_pieces_O = Cached(CacheFile(*model, options), FromText, make, ToText);
   return copy;
 }
 

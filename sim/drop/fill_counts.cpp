@@ -1,16 +1,15 @@
 #include "sim/drop/fill_counts.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <optional>
 #include <sstream>
 
-#include "scenes/base/cache_lock.h"
+#include "scenes/base/cache_file.h"
 #include "scenes/base/error.h"
-#include "scenes/base/files.h"
 #include "scenes/base/random.h"
 #include "sim/drop/fill_level.h"
 
@@ -106,18 +105,21 @@ std::filesystem::path FileOf(const Bin& bin, const ObjectSet& objects,
       hash = HashBytes(vertices.data(), vertices.size() * sizeof(vertices[0]), hash);
     }
   }
-  return CacheDir() / "fill" / fmt::format("{:016x}", hash);
+  return CacheDir() / "fill" / fmt::format("{:016x}.txt", hash);
 }
 
-std::optional<std::vector<int>> ReadCounts(const std::filesystem::path& file, size_t objects) {
-  if (!std::filesystem::exists(file)) return std::nullopt;
-  std::istringstream text(ReadFileBytes(file));
+std::string CountsText(const std::vector<int>& counts) {
+  return fmt::format("{}", fmt::join(counts, " "));
+}
+
+std::vector<int> CountsFrom(const std::string& content, size_t objects) {
+  std::istringstream text(content);
   std::vector<int> counts;
   for (int count = 0; text >> count;) counts.push_back(count);
   const bool valid = counts.size() == objects && std::ranges::all_of(counts, [](int count) {
                        return count >= 1 && count <= kMaxInstances;
                      });
-  if (!valid) return std::nullopt;
+  CheckInput(valid, "its counts do not fit the objects");
   return counts;
 }
 
@@ -129,15 +131,9 @@ std::vector<int> CountsForFill(const Bin& bin, const ObjectSet& objects,
   CheckInput(bin.inner_size_m.z() > 0,
              fmt::format("{}: a table has no height; give each object a count", fill));
   const std::filesystem::path file = FileOf(bin, objects, shares, fill, options);
-  if (const auto cached = ReadCounts(file, objects.size())) return *cached;
-  std::filesystem::create_directories(file.parent_path());
-  const CacheLock lock(file);
-  if (const auto cached = ReadCounts(file, objects.size())) return *cached;
-  const std::vector<int> counts = MeasuredCounts(bin, objects, shares, fill, options);
-  std::string text;
-  for (const int count : counts) text += fmt::format("{}\n", count);
-  WriteFileAtomically(file, text);
-  return counts;
+  return Cached(
+      file, [&](const std::string& content) { return CountsFrom(content, objects.size()); },
+      [&] { return MeasuredCounts(bin, objects, shares, fill, options); }, CountsText);
 }
 
 }  // namespace pickbed::sim

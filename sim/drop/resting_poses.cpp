@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
-#include <optional>
+#include <sstream>
 #include <string>
 
-#include "scenes/base/cache_lock.h"
-#include "scenes/base/files.h"
+#include "scenes/base/cache_file.h"
 #include "scenes/geometry/decompositions.h"
 #include "sim/physics/physics_world.h"
 
@@ -115,40 +113,35 @@ std::filesystem::path CacheFile(const ObjectModel& model) {
   for (const ConvexPiece& piece : model.convex_pieces_O) {
     hash = HashBytes(piece.vertices_O.data(), piece.vertices_O.size() * sizeof(Vector3d), hash);
   }
-  return CacheDir() / "resting" / fmt::format("{:016x}", hash);
+  return CacheDir() / "resting" / fmt::format("{:016x}.txt", hash);
 }
 
-std::optional<std::vector<RestingDirection>> ReadDirections(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::string line;
-  if (!std::getline(in, line) || line + "\n" != kVersion) return std::nullopt;
-  std::vector<RestingDirection> directions;
-  size_t count = 0;
-  in >> count;
-  for (size_t i = 0; i < count; ++i) {
-    RestingDirection& d = directions.emplace_back();
-    in >> d.up_O.x() >> d.up_O.y() >> d.up_O.z() >> d.probability;
+std::string DirectionsText(const std::vector<RestingDirection>& directions) {
+  std::string text;
+  for (const RestingDirection& d : directions) {
+    text += fmt::format("{} {} {} {}\n", d.up_O.x(), d.up_O.y(), d.up_O.z(), d.probability);
   }
-  if (!in) return std::nullopt;
+  return text;
+}
+
+std::vector<RestingDirection> DirectionsFrom(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<RestingDirection> directions;
+  RestingDirection d;
+  while (in >> d.up_O.x() >> d.up_O.y() >> d.up_O.z() >> d.probability) directions.push_back(d);
+  CheckInput(in.eof() && text.ends_with('\n'), "a line is cut short");
   return directions;
 }
 
 std::vector<RestingDirection> CachedDirections(const ObjectModel& model) {
-  const std::filesystem::path file = CacheFile(model);
-  if (auto known = ReadDirections(file)) return *std::move(known);
-  std::filesystem::create_directories(file.parent_path());
-  const CacheLock lock(file);
-  if (auto known = ReadDirections(file)) return *std::move(known);
-  std::vector<RestingDirection> directions;
-  for (const RestingPose& pose : FindRestingPoses(model)) {
-    directions.push_back({pose.up_O, pose.probability});
-  }
-  std::string text = kVersion + fmt::format("{}\n", directions.size());
-  for (const RestingDirection& d : directions) {
-    text += fmt::format("{} {} {} {}\n", d.up_O.x(), d.up_O.y(), d.up_O.z(), d.probability);
-  }
-  WriteFileAtomically(file, text);
-  return directions;
+  const auto make = [&] {
+    std::vector<RestingDirection> directions;
+    for (const RestingPose& pose : FindRestingPoses(model)) {
+      directions.push_back({pose.up_O, pose.probability});
+    }
+    return directions;
+  };
+  return Cached(CacheFile(model), DirectionsFrom, make, DirectionsText);
 }
 
 }  // namespace

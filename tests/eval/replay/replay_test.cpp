@@ -211,6 +211,19 @@ TEST_F(ReplayTest, CrashedTrialIsReplayedFromItsNumber) {
   EXPECT_THAT(ReplayTable(report), HasSubstr("no stage was recorded to compare with"));
 }
 
+// Another person can have written the store, and with it the settings.
+TEST_F(ReplayTest, ProgramsOfAStoreNeedPermission) {
+  ScenarioSpec spec = Record().spec;
+  RequireProgramsAllowed(spec, {run_, kTrial}, false);
+  spec.estimator.command = {"rm", "-rf", "x"};
+  spec.planner.connect = "localhost:7000";
+  EXPECT_THAT(ErrorOf([&] {
+                RequireProgramsAllowed(spec, {run_, kTrial}, false);
+              }),
+              HasSubstr("its settings use 'rm -rf x' and localhost:7000"));
+  RequireProgramsAllowed(spec, {run_, kTrial}, true);
+}
+
 TEST_F(ReplayTest, RefusesMissingTrialsAndFiles) {
   EXPECT_THAT(RefusalOf({folder_.path() / "nowhere", 0}), HasSubstr("there is no folder"));
   EXPECT_THAT(RefusalOf({folder_.path(), 0}), HasSubstr("results.sqlite"));

@@ -56,6 +56,27 @@ TEST(SlurmScript, QuotesPathsForTheShell) {
                         "'/shared/it'\\''s here/sweep.yaml' --out '/shared/it'\\''s here'"));
 }
 
+// A line of the script that does not begin with # would be run by the shell.
+TEST(SlurmScript, TextsThatBeginAnotherLineAreRefused) {
+  for (const char* bad : {"short\ntouch /tmp/x", "a b", "$(id)", "`id`", "a'b", "a;b", "a\rb"}) {
+    SlurmJob job = SomeJob();
+    job.options.partition = bad;
+    EXPECT_THAT(ErrorOf([&] { JobScript(job); }), HasSubstr("slurm.partition has a character"));
+    job = SomeJob();
+    job.options.time = bad;
+    EXPECT_THAT(ErrorOf([&] { JobScript(job); }), HasSubstr("slurm.time"));
+    job = SomeJob();
+    job.options.memory = bad;
+    EXPECT_THAT(ErrorOf([&] { JobScript(job); }), HasSubstr("slurm.mem"));
+  }
+  SlurmJob job = SomeJob();
+  job.options.options = "--qos=low\ntouch";
+  EXPECT_THAT(ErrorOf([&] { JobScript(job); }), HasSubstr("slurm.options"));
+  job = SomeJob();
+  job.out = "/shared/a\nrm -rf x";
+  EXPECT_THAT(ErrorOf([&] { JobScript(job); }), HasSubstr("line break"));
+}
+
 TEST(Slurm, CountsTrialsOfShards) {
   const TemporaryFolder temporary;
   const Sweep sweep = StubSweep(2, 6);

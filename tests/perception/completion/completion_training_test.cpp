@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "perception/completion/byte_blocks.h"
+#include "scenes/base/byte_blocks.h"
 #include "perception/completion/completion_file.h"
 #include "perception/completion/completion_network.h"
 #include "perception/completion/sample_stream.h"

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "perception/networks/tensor_file.h"
 #include "perception/networks/verifier_file.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -88,23 +89,30 @@ TEST_F(ModelFile, DamagedFilesAreRefusedByName) {
   }
   EXPECT_GE(refused, 10) << "flipped bits among the weights are not detected";
   WriteFileAtomically(file, "hello");
-  EXPECT_THAT(ErrorOf([&] { LoadModel(file); }), HasSubstr("is not a model"));
+  EXPECT_THAT(ErrorOf([&] { LoadModel(file); }), HasSubstr("cut short"));
   EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "absent.pt"); }), HasSubstr("absent.pt"));
 }
 
 TEST_F(ModelFile, NewerVersionIsReportedAsSuch) {
-  const std::filesystem::path file = Untrained();
-  std::string bytes = ReadFileBytes(file);
-  // In the archive's pickle, the version follows its name: K (one byte follows), then the number.
-  const size_t name = bytes.find("version", bytes.find("data.pkl"));
-  ASSERT_NE(name, std::string::npos);
-  const size_t number = bytes.find('K', name);
-  ASSERT_LT(number, name + 16);
-  ASSERT_EQ(bytes[number + 1], 9);
-  bytes[number + 1] = 99;
-  WriteFileAtomically(file, bytes);
-  EXPECT_THAT(ErrorOf([&] { LoadModel(file); }),
+  TensorFile content("descriptor model", 99);
+  WriteFileAtomically(folder_ / "model.pt", content.Bytes());
+  EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "model.pt"); }),
               HasSubstr("model.pt: it is of version 99, newer than this program"));
+}
+
+TEST_F(ModelFile, FilesOfAnotherKindAreRefused) {
+  VerifierFile verifiers;
+  verifiers.estimator = "ppf";
+  SaveVerifiers(folder_ / "ppf.pt", verifiers);
+  EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "ppf.pt"); }),
+              HasSubstr("ppf.pt: it is not a descriptor model but a file of verifiers"));
+}
+
+// PyTorch runs the code in an archive when it opens it.
+TEST_F(ModelFile, PyTorchArchivesAreRefusedUnread) {
+  WriteFileAtomically(folder_ / "old.pt", std::string("PK\3\4 and code", 13));
+  EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "old.pt"); }),
+              HasSubstr("old.pt: it is a PyTorch archive, which can run code"));
 }
 
 // One hidden unit that uses only the first two features.

@@ -1,11 +1,16 @@
 #include "scenes/base/files.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <iterator>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "tests/scenes/shapes.h"
 
@@ -118,6 +123,35 @@ TEST(CacheDir, ErrorGivesTheReason) {
   const WithEnvironment xdg("XDG_CACHE_HOME", file.string());
   EXPECT_THAT(InputErrorOf([] { CacheDir(); }),
               testing::AllOf(HasSubstr("cache folder"), HasSubstr("Not a directory")));
+}
+
+TEST(RemoveTemporaries, RemovesThoseOfDeadProcessesOnly) {
+  const TemporaryFolder temporary;
+  const std::filesystem::path folder = temporary.path();
+  const pid_t dead = fork();
+  if (dead == 0) _exit(0);
+  waitpid(dead, nullptr, 0);
+  std::filesystem::create_directories(folder / "pictures");
+  std::filesystem::create_directories(folder / "shard");
+  const std::string of_dead = fmt::format("a.png.tmp-{}-0", dead);
+  const std::string of_living = fmt::format("a.png.tmp-{}-0", getpid());
+  const std::filesystem::path removed = folder / "pictures" / of_dead;
+  const std::vector<std::filesystem::path> kept{folder / "pictures" / of_living, folder / "a.png",
+                                                folder / "shard" / kLockFile,
+                                                folder / "shard" / of_dead, folder / "b.tmp-"};
+  WriteFileAtomically(removed, "x");
+  for (const std::filesystem::path& file : kept) WriteFileAtomically(file, "x");
+  RemoveTemporaries(folder);
+  EXPECT_FALSE(std::filesystem::exists(removed));
+  for (const std::filesystem::path& file : kept) EXPECT_TRUE(std::filesystem::exists(file)) << file;
+}
+
+TEST(ReadFileBytes, RefusesPipesAndDevices) {
+  const TemporaryFolder temporary;
+  const std::filesystem::path pipe = temporary.path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(InputErrorOf([&] { ReadFileBytes(pipe); }), HasSubstr("is no regular file"));
+  EXPECT_THAT(InputErrorOf([] { ReadFileBytes("/dev/zero"); }), HasSubstr("no regular file"));
 }
 
 }  // namespace

@@ -113,5 +113,22 @@ TEST(EncodeJpeg, ReadsBackWithSmallError) {
   EXPECT_LT(EncodeJpeg(ramp, 20).size(), EncodeJpeg(ramp, 95).size());
 }
 
+// Zeros compress well: the file has less than a megabyte.
+TEST(ReadPng, RefusesAnImageThatIsTooLargeForMemory) {
+  const TemporaryFolder folder;
+  std::string png = EncodePng(Image<uint16_t>(8, 8), 3);
+  const auto set = [&](size_t at, uint32_t number) {
+    for (int i = 0; i < 4; ++i) png[at + i] = static_cast<char>(number >> (24 - 8 * i));
+  };
+  set(16, 30000);
+  set(20, 30000);
+  const std::string path = folder.Write("large.png", png);
+  EXPECT_THAT(InputErrorOf([&] { ReadPng16(path); }), HasSubstr("more than 67 million pixels"));
+  set(16, 0xffffffff);
+  set(20, 0xffffffff);
+  EXPECT_THAT(InputErrorOf([&] { ReadPng(folder.Write("larger.png", png)); }),
+              HasSubstr("more than 67 million pixels"));
+}
+
 }  // namespace
 }  // namespace pickbed::tests

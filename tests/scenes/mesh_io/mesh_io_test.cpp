@@ -367,5 +367,84 @@ TEST(LoadMesh, RefusesFilesThatAreNoMesh) {
   EXPECT_THAT(InputErrorOf([&] { LoadMesh(cube, "yard"); }), HasSubstr("unknown unit 'yard'"));
 }
 
+std::string PlyText(const std::string& faces, int count) {
+  return fmt::format(
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float "
+      "y\nproperty float z\nelement face {}\nproperty list uchar int "
+      "vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n{}",
+      count, faces);
+}
+
+// A PLY with binary vertices and faces.
+std::string BinaryPly() {
+  std::string ply =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float "
+      "y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n";
+  const auto put = [&](auto value) {
+    ply.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  for (const float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f}) put(x);
+  const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  for (const auto& face : faces) {
+    put(uint8_t{3});
+    for (const int32_t index : face) put(index);
+  }
+  return ply;
+}
+
+// Files that crashed assimp, made it assert or run without end, or that were loaded in part.
+TEST(LoadMesh, RefusesDamagedFilesInOneLine) {
+  const TemporaryFolder folder;
+  const std::string stl =
+      "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+      "vertex 0 1 0\nendloop\nendfacet\n";
+  struct {
+    std::string path;
+    const char* text;
+  } cases[] = {
+      {folder.Write("index.ply", PlyText("3 0 1 2\n3 1 2 5\n", 2)), "cannot read mesh"},
+      {folder.Write("huge_index.ply", PlyText("3 0 1 999999999\n", 1)), "cannot read mesh"},
+      {folder.Write("negative.ply", PlyText("3 0 1 -1\n", 1)), "cannot read mesh"},
+      {folder.Write("quad.ply", PlyText("4 0 1 2 99999\n", 1)), "cannot read mesh"},
+      {folder.Write("no_corner.ply", PlyText("0\n3 0 1 2\n", 2)), "cannot read mesh"},
+      {folder.Write("cut.ply", PlyText("3 0 1 2\n3 0 1 3\n", 20)), "cannot read mesh"},
+      {folder.Write("vertices.ply",
+                    "ply\nformat ascii 1.0\nelement vertex 4000000000\nend_header\n"),
+       "have no room for"},
+      {folder.Write("cut.stl", stl), "does not end with endsolid"},
+      {folder.Write("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"), "cannot read mesh"},
+  };
+  for (const auto& c : cases) {
+    const std::string message = InputErrorOf([&] { LoadMesh(c.path); });
+    EXPECT_THAT(message, HasSubstr(c.path));
+    EXPECT_THAT(message, HasSubstr(c.text));
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+  EXPECT_EQ(LoadMesh(folder.Write("whole.stl", stl + "endsolid x\n")).triangles.size(), 1u);
+}
+
+TEST(LoadMesh, RefusesABinaryPlyThatIsCutAnywhere) {
+  const TemporaryFolder folder;
+  const std::string ply = BinaryPly();
+  EXPECT_EQ(LoadMesh(folder.Write("whole.ply", ply)).triangles.size(), 4u);
+  for (size_t size = 0; size < ply.size(); size += 7) {
+    const std::string path = folder.Write("cut.ply", ply.substr(0, size));
+    EXPECT_THAT(InputErrorOf([&] { LoadMesh(path); }), HasSubstr(path)) << size;
+  }
+}
+
+TEST(LoadMesh, AnImportIsCachedUntilAUsedFileChanges) {
+  const TemporaryFolder folder;
+  const std::string obj =
+      folder.Write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
+  folder.Write("a.mtl", "newmtl red\nKd 1 0 0\n");
+  EXPECT_EQ(LoadMesh(obj).base_color, (Rgb8{255, 0, 0}));
+  EXPECT_EQ(LoadMesh(obj).base_color, (Rgb8{255, 0, 0}));
+  folder.Write("a.mtl", "newmtl red\nKd 0 1 0\n");
+  EXPECT_EQ(LoadMesh(obj).base_color, (Rgb8{0, 255, 0}));
+  std::filesystem::remove(folder.path() / "a.mtl");
+  EXPECT_EQ(LoadMesh(obj).base_color, TriangleMesh().base_color);
+}
+
 }  // namespace
 }  // namespace pickbed::tests

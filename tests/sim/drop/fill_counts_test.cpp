@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "scenes/base/files.h"
+#include "scenes/base/cache_file.h"
 #include "sim/drop/fill_level.h"
 #include "tests/sim/physics_objects.h"
 #include "tests/support/error_of.h"
@@ -25,7 +25,7 @@ class FillCounts : public testing::Test {
     std::vector<std::filesystem::path> files;
     for (const auto& entry :
          std::filesystem::directory_iterator(folder_.path() / "pickbed" / "fill")) {
-      if (entry.path().extension().empty()) files.push_back(entry.path());
+      if (entry.path().extension() == ".txt") files.push_back(entry.path());
     }
     return files;
   }
@@ -45,9 +45,9 @@ TEST_F(FillCounts, CountsAreReadFromTheCache) {
   const ObjectSet objects{BoxObject({0.03, 0.03, 0.03}, 0.05)};
   const std::vector<int> counts = CountsForFill(kFilledBin, objects, {1}, 0.2);
   ASSERT_EQ(Files().size(), 1u);
-  WriteFileAtomically(Files()[0], "7\n");
+  WriteCacheFile(Files()[0], "7");
   EXPECT_EQ(CountsForFill(kFilledBin, objects, {1}, 0.2), std::vector<int>{7});
-  WriteFileAtomically(Files()[0], "7\n8\n");  // two objects
+  WriteCacheFile(Files()[0], "7 8");  // two objects
   EXPECT_EQ(CountsForFill(kFilledBin, objects, {1}, 0.2), counts) << "measured again";
 }
 

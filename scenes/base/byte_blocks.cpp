@@ -1,11 +1,11 @@
-#include "perception/completion/byte_blocks.h"
+#include "scenes/base/byte_blocks.h"
 
 #include <fmt/format.h>
 
 #include "scenes/base/error.h"
 #include "scenes/base/random.h"
 
-namespace pickbed::perception {
+namespace pickbed::scenes {
 namespace {
 
 constexpr size_t kMagicSize = 8;
@@ -57,4 +57,4 @@ std::string_view BlockReader::Take() {
   return block;
 }
 
-}  // namespace pickbed::perception
+}  // namespace pickbed::scenes

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "perception/layer.h"
+#include "scenes/base/error.h"
 
-namespace pickbed::perception {
+namespace pickbed::scenes {
 
 // Appends blocks.
 class BlockWriter {
@@ -23,6 +23,8 @@ class BlockWriter {
   }
   // Returns head and blocks. `magic` has 8 characters.
   std::string Bytes(std::string_view magic, uint64_t version) const;
+  // Returns the blocks without a head, for content of another file.
+  const std::string& body() const { return body_; }
 
  private:
   std::string body_;
@@ -35,10 +37,13 @@ class BlockReader {
   // Checks the head. `kind` is what the file should be, for the error: "a completion model".
   BlockReader(std::string_view bytes, std::string_view magic, uint64_t version,
               const std::string& kind);
+  // Reads blocks without a head.
+  explicit BlockReader(std::string_view body) : rest_(body) {}
   std::string_view Take();
   template <typename Value>
   std::vector<Value> TakeAll() {
     const std::string_view block = Take();
+    CheckInput(block.size() % sizeof(Value) == 0, "the file is damaged: a list has another size");
     std::vector<Value> values(block.size() / sizeof(Value));
     if (!values.empty()) std::memcpy(values.data(), block.data(), values.size() * sizeof(Value));
     return values;
@@ -48,4 +53,4 @@ class BlockReader {
   std::string_view rest_;
 };
 
-}  // namespace pickbed::perception
+}  // namespace pickbed::scenes

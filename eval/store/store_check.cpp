@@ -1,0 +1,135 @@
+#include "eval/store/store_check.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "eval/store/schema_internal.h"
+#include "scenes/base/message_text.h"
+
+namespace pickbed::eval {
+namespace {
+
+// The pages of larger files are not checked, because that takes longer than reading the results.
+constexpr double kLargestCheckedBytes = 512e6;
+
+void CheckPages(const Database& db) {
+  Statement size(db, "SELECT page_count * page_size FROM pragma_page_count, pragma_page_size");
+  size.Step();
+  double bytes = 0;
+  size.Read(0, bytes);
+  if (bytes > kLargestCheckedBytes) return;
+  Statement check(db, "PRAGMA quick_check(1)");
+  check.Step();
+  std::string answer;
+  check.Read(0, answer);
+  CheckInput(answer == "ok", fmt::format("{}: the file is damaged ({}); {}", db.file(),
+                                         OneLine(answer), kRestoreAdvice));
+}
+
+template <typename Row>
+void CheckColumns(const Database& db, const std::string& table) {
+  for (const std::string& column : ColumnsOf<Row>()) {
+    Statement info(db, "SELECT 1 FROM pragma_table_info(?) WHERE name = ?");
+    info.Bind(1, table);
+    info.Bind(2, column);
+    CheckInput(info.Step(), fmt::format("{}: table '{}' has no column '{}'; {}", db.file(), table,
+                                        column, kRestoreAdvice));
+  }
+}
+
+// Throws the error of the first row that a query finds. Its first column is the row's number.
+void RequireNoRow(const Database& db, const std::string& table, const std::string& query,
+                  const std::string& fault) {
+  Statement statement(db, query + " LIMIT 1");
+  if (!statement.Step()) return;
+  int row = 0;
+  statement.Read(0, row);
+  ThrowDamaged(db, table, row, fault);
+}
+
+// Requires that the rows of `table` with equal `keys` are numbered from 0 without a gap.
+void RequireNumbered(const Database& db, const std::string& table, const std::string& keys,
+                     const std::string& number) {
+  RequireNoRow(db, table,
+               fmt::format("SELECT min(rowid) FROM {0} GROUP BY {1} HAVING min({2}) <> 0 OR "
+                           "max({2}) <> count(*) - 1 OR count(DISTINCT {2}) <> count(*)",
+                           table, keys, number),
+               fmt::format("the numbers in column '{}' of its trial have a gap", number));
+}
+
+// Requires that column `number` of `table` is below the number of rows of `owner` with equal keys.
+void RequireOwner(const Database& db, const std::string& table, const std::string& owner,
+                  const std::string& keys, const std::string& number) {
+  RequireNoRow(
+      db, table,
+      fmt::format("SELECT {0}.rowid FROM {0} LEFT JOIN (SELECT {2}, count(*) AS owners FROM {1} "
+                  "GROUP BY {2}) USING ({2}) WHERE owners IS NULL OR {0}.{3} < 0 OR {0}.{3} >= "
+                  "owners",
+                  table, owner, keys, number),
+      fmt::format("table '{}' has no such {}", owner, number));
+}
+
+}  // namespace
+
+void ThrowDamaged(const Database& db, const std::string& table, int64_t row,
+                  const std::string& fault) {
+  throw InputError(
+      fmt::format("{}: table '{}', row {}: {}; {}", db.file(), table, row, fault, kRestoreAdvice));
+}
+
+void CheckStructure(const Database& db) {
+  CheckPages(db);
+  CheckColumns<ConfigurationRow>(db, "configurations");
+  ForEachTrialTable([&]<typename Row>(const char* table) { CheckColumns<Row>(db, table); });
+  RequireNumbered(db, "configurations", "'all'", "configuration");
+  RequireNoRow(db, "trials",
+               "SELECT rowid FROM trials WHERE configuration NOT IN (SELECT configuration FROM "
+               "configurations)",
+               "table 'configurations' has no such configuration");
+  RequireNoRow(
+      db, "trials",
+      fmt::format("SELECT rowid FROM trials WHERE status NOT IN ('{}', '{}')", kFinished, kCrashed),
+      fmt::format("its status is neither {} nor {}", kFinished, kCrashed));
+  ForEachTrialTable([&]<typename Row>(const char* table) {
+    if (std::is_same_v<Row, TrialRow>) return;
+    RequireNoRow(db, table,
+                 fmt::format("SELECT rowid FROM {} WHERE trial NOT IN (SELECT trial FROM trials "
+                             "WHERE status = '{}')",
+                             table, kFinished),
+                 "table 'trials' has no such trial");
+  });
+  RequireNumbered(db, "attempts", "trial", "attempt");
+  for (const char* table : {"hypotheses", "instances", "rejections"}) {
+    RequireOwner(db, table, "attempts", "trial", "attempt");
+  }
+  RequireNumbered(db, "hypotheses", "trial, attempt", "hypothesis");
+  RequireOwner(db, "hypothesis_metrics", "hypotheses", "trial, attempt", "hypothesis");
+}
+
+void CheckValues(const TrialResult& result) {
+  const auto is_share = [](double value) { return value >= 0 && value <= 1; };
+  CheckInput(result.instances_dropped >= 0 && result.instances_cleared >= 0,
+             "a number of instances is negative");
+  for (const AttemptRecord& attempt : result.attempts) {
+    const auto check = [&](bool ok, const char* fault) {
+      CheckInput(ok, fmt::format("attempt {}: {}", attempt.attempt, fault));
+    };
+    const int hypotheses = static_cast<int>(attempt.hypotheses.size());
+    check(attempt.chosen >= -1 && attempt.chosen < hypotheses,
+          "the chosen hypothesis does not exist");
+    for (const HypothesisRecord& hypothesis : attempt.hypotheses) {
+      check(hypothesis.object >= 0, "the object of a hypothesis is negative");
+      check(std::isfinite(hypothesis.score), "the score of a hypothesis is not finite");
+    }
+    for (const InstanceRecord& instance : attempt.instances) {
+      check(instance.object >= 0 && instance.instance >= 0,
+            "the number of an instance or object is negative");
+      check(is_share(instance.visible_fraction), "a visible fraction is not from 0 to 1");
+    }
+  }
+}
+
+}  // namespace pickbed::eval

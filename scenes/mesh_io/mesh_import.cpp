@@ -1,0 +1,282 @@
+#include "scenes/mesh_io/mesh_import.h"
+
+#include <assimp/DefaultIOSystem.h>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
+#include "scenes/mesh_io/mesh_file_check.h"
+#include "scenes/mesh_io/mesh_join.h"
+
+namespace pickbed::scenes {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kNoTexture = -1;
+
+Eigen::Vector3d ToEigen(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+Eigen::Affine3d ToEigen(const aiMatrix4x4& m) {
+  Eigen::Affine3d T;
+  T.matrix() << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, 0, 0, 0, 1;
+  return T;
+}
+
+uint8_t ToByte(float channel) {
+  return static_cast<uint8_t>(std::lround(255 * std::clamp(channel, 0.f, 1.f)));
+}
+
+Rgb8 ToRgb(const aiColor4D& c) { return {ToByte(c.r), ToByte(c.g), ToByte(c.b)}; }
+
+// ---- Materials ----
+
+// Loads each colour texture of a file once and finds it by name.
+class TextureShelf {
+ public:
+  // `used` receives the names of the files that were looked for.
+  TextureShelf(const aiScene& scene, const fs::path& folder, std::set<fs::path>& used)
+      : scene_(scene), folder_(folder), used_(used) {}
+
+  // Returns the index of the material's texture, or kNoTexture if it has none or it is unreadable.
+  int IndexOf(const aiMaterial& material) {
+    aiString name;
+    if (material.GetTexture(aiTextureType_BASE_COLOR, 0, &name) != aiReturn_SUCCESS &&
+        material.GetTexture(aiTextureType_DIFFUSE, 0, &name) != aiReturn_SUCCESS) {
+      return kNoTexture;
+    }
+    const auto [known, is_new] = index_by_name_.try_emplace(name.C_Str(), kNoTexture);
+    if (!is_new) return known->second;
+    std::optional<Image<Rgb8>> image = Read(name.C_Str());
+    if (!image) return kNoTexture;
+    images_.push_back(*std::move(image));
+    return known->second = static_cast<int>(images_.size()) - 1;
+  }
+
+  const Image<Rgb8>& image(int index) const { return images_[index]; }
+
+ private:
+  std::optional<Image<Rgb8>> Read(const std::string& name) const {
+    if (const aiTexture* embedded = scene_.GetEmbeddedTexture(name.c_str())) {
+      if (embedded->mHeight != 0) return FromTexels(*embedded);
+      return DecodeImage(
+          std::string(reinterpret_cast<const char*>(embedded->pcData), embedded->mWidth));
+    }
+    // Exporters write paths of their own machine. The image is then often in the mesh's folder.
+    std::string portable = name;
+    std::replace(portable.begin(), portable.end(), '\\', '/');
+    for (const fs::path& path : {folder_ / portable, folder_ / fs::path(portable).filename()}) {
+      std::error_code error;
+      used_.insert(path);
+      if (fs::is_regular_file(path, error)) return DecodeImage(ReadFileBytes(path));
+    }
+    return std::nullopt;
+  }
+
+  static Image<Rgb8> FromTexels(const aiTexture& texture) {
+    Image<Rgb8> image(static_cast<int>(texture.mWidth), static_cast<int>(texture.mHeight));
+    for (size_t i = 0; i < image.size(); ++i) {
+      image.data()[i] = {texture.pcData[i].r, texture.pcData[i].g, texture.pcData[i].b};
+    }
+    return image;
+  }
+
+  const aiScene& scene_;
+  fs::path folder_;
+  std::set<fs::path>& used_;
+  std::map<std::string, int> index_by_name_;
+  std::vector<Image<Rgb8>> images_;
+};
+
+// Returns the material's colour, or the mesh's default colour if the file defines none. In this
+// case assimp gives a material with its default name or, also for a missing .mtl, a grey of 0.6.
+Rgb8 BaseColor(const aiMaterial& material) {
+  const aiColor4D unstated(0.6f, 0.6f, 0.6f, 1.f);
+  aiString name;
+  material.Get(AI_MATKEY_NAME, name);
+  if (name == aiString(AI_DEFAULT_MATERIAL_NAME)) return TriangleMesh().base_color;
+  aiColor4D color = unstated;
+  if (material.Get(AI_MATKEY_BASE_COLOR, color) != aiReturn_SUCCESS) {
+    material.Get(AI_MATKEY_COLOR_DIFFUSE, color);
+  }
+  return color == unstated ? TriangleMesh().base_color : ToRgb(color);
+}
+
+// ---- Submeshes: one assimp mesh at one node ----
+
+// A mesh with three own vertices for each triangle; vertices are not yet joined.
+struct Submesh {
+  TriangleMesh mesh;
+  int texture = kNoTexture;
+};
+
+Submesh MakeSubmesh(const aiMesh& source, const Eigen::Affine3d& T, const aiMaterial& material,
+                    TextureShelf& shelf) {
+  Submesh submesh;
+  TriangleMesh& mesh = submesh.mesh;
+  mesh.base_color = BaseColor(material);
+  if (source.HasTextureCoords(0)) submesh.texture = shelf.IndexOf(material);
+  const Eigen::Matrix3d linear = T.linear();
+  const bool mirrored = linear.determinant() < 0;
+  const bool has_normals = source.HasNormals() && linear.determinant() != 0;
+  const Eigen::Matrix3d for_normals = has_normals ? Eigen::Matrix3d(linear.inverse().transpose())
+                                                  : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  for (unsigned f = 0; f < source.mNumFaces; ++f) {
+    const aiFace& face = source.mFaces[f];
+    if (face.mNumIndices != 3) continue;  // a point or a line
+    const int first = static_cast<int>(mesh.vertices.size());
+    mesh.triangles.emplace_back(first, first + (mirrored ? 2 : 1), first + (mirrored ? 1 : 2));
+    for (int k = 0; k < 3; ++k) {
+      const unsigned i = face.mIndices[k];
+      mesh.vertices.push_back(T * ToEigen(source.mVertices[i]));
+      if (has_normals) {
+        mesh.normals.push_back((for_normals * ToEigen(source.mNormals[i])).normalized());
+      }
+      if (submesh.texture != kNoTexture) {
+        const aiVector3D& uv = source.mTextureCoords[0][i];
+        mesh.uvs.emplace_back(uv.x, 1.0 - uv.y);  // assimp counts v from the bottom row
+      }
+      if (source.HasVertexColors(0)) mesh.colors.push_back(ToRgb(source.mColors[0][i]));
+    }
+  }
+  return submesh;
+}
+
+void CollectSubmeshes(const aiScene& scene, const aiNode& node, const Eigen::Affine3d& parent,
+                      TextureShelf& shelf, std::vector<Submesh>& submeshes) {
+  const Eigen::Affine3d T = parent * ToEigen(node.mTransformation);
+  for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+    const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
+    submeshes.push_back(MakeSubmesh(mesh, T, *scene.mMaterials[mesh.mMaterialIndex], shelf));
+  }
+  for (unsigned i = 0; i < node.mNumChildren; ++i) {
+    CollectSubmeshes(scene, *node.mChildren[i], T, shelf, submeshes);
+  }
+}
+
+// Replaces a texture by vertex colours, for files with several textures.
+void BakeTexture(const Image<Rgb8>& texture, TriangleMesh& mesh) {
+  mesh.colors.clear();
+  for (const Eigen::Vector2d& uv : mesh.uvs) {
+    const Eigen::Vector2d wrapped = uv - uv.array().floor().matrix();
+    const int x = std::min(static_cast<int>(wrapped.x() * texture.width()), texture.width() - 1);
+    const int y = std::min(static_cast<int>(wrapped.y() * texture.height()), texture.height() - 1);
+    mesh.colors.push_back(texture(x, y));
+  }
+  mesh.uvs.clear();
+}
+
+// Joins the submeshes into one mesh. A mesh has only one texture, so several become vertex colours.
+TriangleMesh Joined(std::vector<Submesh> submeshes, const TextureShelf& shelf) {
+  const bool one_texture = std::all_of(
+      submeshes.begin(), submeshes.end(),
+      [&](const Submesh& submesh) { return submesh.texture == submeshes.front().texture; });
+  TriangleMesh mesh;
+  for (Submesh& submesh : submeshes) {
+    if (!one_texture && submesh.texture != kNoTexture)
+      BakeTexture(shelf.image(submesh.texture), submesh.mesh);
+    Append(submesh.mesh, mesh);
+  }
+  if (!mesh.uvs.empty()) mesh.texture = shelf.image(submeshes.front().texture);
+  return mesh;
+}
+
+size_t CountFaces(const aiScene& scene, const aiNode& node) {
+  size_t faces = 0;
+  for (unsigned i = 0; i < node.mNumMeshes; ++i) faces += scene.mMeshes[node.mMeshes[i]]->mNumFaces;
+  for (unsigned i = 0; i < node.mNumChildren; ++i) faces += CountFaces(scene, *node.mChildren[i]);
+  return faces;
+}
+
+// assimp's triangulation reads these indices unchecked, and asserts that a face has some.
+void CheckFaces(const fs::path& path, const aiScene& scene) {
+  size_t faces = 0;
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    faces += mesh.mNumFaces;
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      if (face.mNumIndices == 0) RefuseUnreadable(path, "a face has no vertices");
+      for (unsigned k = 0; k < face.mNumIndices; ++k) {
+        if (face.mIndices[k] < mesh.mNumVertices) continue;
+        RefuseUnreadable(path, fmt::format("face {} has vertex {}, but there are {} vertices", f,
+                                           face.mIndices[k], mesh.mNumVertices));
+      }
+    }
+  }
+  const size_t promised = FacesInHeader(path);
+  if (faces < promised) {
+    RefuseUnreadable(path,
+                     fmt::format("its header names {} faces, but it has {}", promised, faces));
+  }
+}
+
+// Notes the files that an importer looks for beside the mesh: materials and buffers.
+class NotingFiles : public Assimp::DefaultIOSystem {
+ public:
+  explicit NotingFiles(std::set<fs::path>& used) : used_(used) {}
+  bool Exists(const char* file) const override {
+    used_.insert(file);
+    return DefaultIOSystem::Exists(file);
+  }
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    used_.insert(file);
+    return DefaultIOSystem::Open(file, mode);
+  }
+
+ private:
+  std::set<fs::path>& used_;
+};
+
+}  // namespace
+
+ImportedMesh ImportMesh(const fs::path& path, double scale) {
+  CheckMeshFile(path);
+  ImportedMesh imported;
+  Assimp::Importer importer;
+  importer.SetIOHandler(new NotingFiles(imported.used));  // the importer owns it
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  const aiScene* scene = importer.ReadFile(path.string(), aiProcess_ValidateDataStructure);
+  if (scene == nullptr || scene->mRootNode == nullptr) {
+    RefuseUnreadable(path, importer.GetErrorString());
+  }
+  CheckFaces(path, *scene);
+  scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+  if (scene == nullptr) RefuseUnreadable(path, importer.GetErrorString());
+  CheckFaceCount(path, CountFaces(*scene, *scene->mRootNode));
+  TextureShelf shelf(*scene, path.parent_path(), imported.used);
+  std::vector<Submesh> submeshes;
+  CollectSubmeshes(*scene, *scene->mRootNode, Eigen::Affine3d(Eigen::Scaling(scale)), shelf,
+                   submeshes);
+  std::erase_if(submeshes, [](const Submesh& submesh) { return submesh.mesh.triangles.empty(); });
+  CheckInput(!submeshes.empty(),
+             "mesh '" + path.string() + "' has no faces; export it as triangles");
+  TriangleMesh& mesh = imported.mesh;
+  mesh = Joined(std::move(submeshes), shelf);
+  const auto is_finite = [](const Eigen::Vector3d& vertex) { return vertex.allFinite(); };
+  CheckInput(std::ranges::all_of(mesh.vertices, is_finite),
+             "mesh '" + path.string() + "' has a vertex that is not finite; export it again");
+  const size_t faces = mesh.triangles.size();
+  DropDegenerate(mesh);
+  imported.report.degenerate_faces = static_cast<int>(faces - mesh.triangles.size());
+  imported.report.bad_normals = !NormalsAreUnit(mesh);
+  CheckInput(SurfaceArea(mesh) != 0, "mesh '" + path.string() + "' has only faces without area");
+  DropFlatNormals(mesh);
+  mesh = WithEqualVerticesJoined(mesh);
+  imported.used.erase(path);
+  return imported;
+}
+
+}  // namespace pickbed::scenes

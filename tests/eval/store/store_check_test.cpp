@@ -1,0 +1,133 @@
+#include "eval/store/store_check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "eval/store/results_store.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "tests/eval/full_trial.h"
+#include "tests/support/temporary_folder.h"
+
+namespace pickbed::tests {
+namespace {
+
+using testing::HasSubstr;
+
+class StoreCheck : public testing::Test {
+ protected:
+  StoreCheck() {
+    ResultsStore store(temporary_.path(), "seed: 1");
+    for (int trial = 0; trial < 3; ++trial) store.Write(FullTrial(trial));
+  }
+  void Edit(const std::string& sql) const {
+    Database(temporary_.path() / kStoreFile, Database::Mode::kExisting).Execute(sql);
+  }
+  // Return the message, empty = the store is accepted.
+  std::string ErrorAtReading() const {
+    return Refusal([&] { ResultsStore::OpenToRead(temporary_.path()).ReadAll(); });
+  }
+  std::string ErrorAtResuming() const {
+    return Refusal([&] { ResultsStore(temporary_.path(), "seed: 1").ReadAll(); });
+  }
+  static std::string Refusal(const std::function<void()>& read) {
+    try {
+      read();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  const TemporaryFolder temporary_;
+};
+
+TEST_F(StoreCheck, AcceptsWhatThisProgramWrote) {
+  EXPECT_EQ(ErrorAtReading(), "");
+  EXPECT_EQ(ErrorAtResuming(), "");
+}
+
+struct EditedStore {
+  const char* sql;
+  const char* message;
+};
+
+class EditedStores : public StoreCheck, public testing::WithParamInterface<EditedStore> {};
+
+TEST_P(EditedStores, AreRefusedWithTableAndRow) {
+  Edit(GetParam().sql);
+  for (const std::string& error : {ErrorAtReading(), ErrorAtResuming()}) {
+    EXPECT_THAT(error, HasSubstr("results.sqlite: "));
+    EXPECT_THAT(error, HasSubstr(GetParam().message));
+    EXPECT_THAT(error, HasSubstr("restore the file from a copy"));
+    EXPECT_EQ(error.find('\n'), std::string::npos);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, EditedStores,
+    testing::Values(
+        EditedStore{"DELETE FROM attempts", "has no such attempt"},
+        EditedStore{"DELETE FROM attempts WHERE trial = 1 AND attempt = 0", "have a gap"},
+        EditedStore{"UPDATE hypotheses SET attempt = 100000",
+                    "table 'hypotheses', row 1: table 'attempts' has no such attempt"},
+        EditedStore{"UPDATE hypotheses SET attempt = -1", "has no such attempt"},
+        EditedStore{"UPDATE instances SET attempt = -1", "table 'instances'"},
+        EditedStore{"UPDATE rejections SET attempt = 99", "table 'rejections'"},
+        EditedStore{"UPDATE hypothesis_metrics SET hypothesis = 99", "table 'hypothesis_metrics'"},
+        EditedStore{"UPDATE attempts SET grasp_x_wg = '[]'",
+                    "column 'grasp_x_wg': '[]' is no list of 12 numbers"},
+        EditedStore{"UPDATE attempts SET grasp_x_wg = '[1]'", "'[1]' is no list of 12 numbers"},
+        EditedStore{"UPDATE attempts SET grasp_x_wg = '[[[[1'", "is no list of numbers"},
+        EditedStore{"UPDATE attempts SET grasp_x_wg = '[1,0,0,0,0,1,0,0,0,0,\"1\",0]'",
+                    "is no list of numbers"},
+        EditedStore{"UPDATE attempts SET grasp_x_wg = '[2,0,0,0,0,1,0,0,0,0,1,0]'",
+                    "rotation is not orthonormal"},
+        EditedStore{"UPDATE attempts SET grasp_x_wg = '[1,0,0,0,0,1,0,0,0,0,-1,0]'",
+                    "rotation is not orthonormal"},
+        EditedStore{"UPDATE attempts SET chosen_hypothesis = 77",
+                    "the chosen hypothesis does not exist"},
+        EditedStore{"UPDATE attempts SET chosen_hypothesis = 'x'",
+                    "column 'chosen_hypothesis': 'x' is no integer"},
+        EditedStore{"UPDATE attempts SET band = 9000000000", "'9000000000' is no integer"},
+        EditedStore{"UPDATE attempts SET executed = 3", "'3' is neither 0 nor 1"},
+        EditedStore{"UPDATE attempts SET failure = 'bad luck'",
+                    "column 'failure': 'bad luck' is no failure reason"},
+        EditedStore{"UPDATE attempts SET grasp_score = 'high'", "'high' is no number"},
+        EditedStore{"UPDATE attempts SET hash_scene = '12x'", "'12x' is no unsigned integer"},
+        EditedStore{"UPDATE instances SET visible_fraction = 7", "visible fraction"},
+        EditedStore{"UPDATE instances SET object = -2", "is negative"},
+        EditedStore{"UPDATE trials SET configuration = 5",
+                    "table 'trials', row 1: table 'configurations' has no such configuration"},
+        EditedStore{"UPDATE trials SET status = 'lost'", "neither finished nor crashed"},
+        EditedStore{"UPDATE trials SET layers = x'00'", "is a BLOB"},
+        EditedStore{"UPDATE trials SET trial = 7 WHERE trial = 2", "has no such trial"},
+        EditedStore{"DELETE FROM configurations", "has no such configuration"},
+        EditedStore{"ALTER TABLE attempts DROP COLUMN slip_m",
+                    "table 'attempts' has no column 'slip_m'"},
+        EditedStore{"DROP TABLE hypotheses", "table 'hypotheses' has no column 'trial'"}));
+
+// A damaged page that SQLite does not notice when it reads the rows.
+TEST_F(StoreCheck, DamagedPagesAreRefused) {
+  const std::filesystem::path file = temporary_.path() / kStoreFile;
+  const std::string bytes = ReadFileBytes(file);
+  int refused = 0, silent = 0;
+  for (size_t at = 4096; at < bytes.size(); at += 4096) {
+    std::string damaged = bytes;
+    for (size_t i = 0; i < 16; ++i) damaged[at + i] ^= 0x5a;  // head of a page
+    WriteFileAtomically(file, damaged);
+    const std::string error = ErrorAtReading();
+    refused += !error.empty();
+    silent += error.empty();
+    EXPECT_TRUE(error.empty() || error.find("results.sqlite") != std::string::npos) << error;
+  }
+  EXPECT_GT(refused, 0);
+  EXPECT_EQ(silent, 0);
+}
+
+}  // namespace
+}  // namespace pickbed::tests

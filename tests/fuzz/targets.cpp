@@ -1,0 +1,468 @@
+#include "tests/fuzz/targets.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "eval/bop/check_dataset.h"
+#include "eval/bop/dataset_scores.h"
+#include "eval/bop/results_csv.h"
+#include "eval/frames/frame_files.h"
+#include "eval/store/results_store.h"
+#include "eval/store/sqlite.h"
+#include "eval/sweep/sweep_spec.h"
+#include "grasp/grippers/table.h"
+#include "perception/completion/completion_file.h"
+#include "perception/networks/model_file.h"
+#include "perception/networks/verifier_file.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
+#include "scenes/mesh_io/mesh_io.h"
+#include "scenes/mesh_io/scene_export.h"
+#include "scenes/objects/object_catalog.h"
+#include "scenes/plugin/message.h"
+#include "scenes/scenario/find_scenario.h"
+#include "scenes/scenario/scenario_spec.h"
+#include "sim/sensor/sensor_profile.h"
+#include "tests/eval/bop_small_dataset.h"
+#include "tests/eval/full_trial.h"
+#include "tests/support/temporary_folder.h"
+
+namespace pickbed::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using Contents = std::vector<std::string>;
+
+Contents FilesOf(const fs::path& folder, const std::string& extension) {
+  Contents contents;
+  for (const std::string& stem : StemsIn(folder, extension)) {
+    contents.push_back(ReadFileBytes(folder / (stem + extension)));
+  }
+  return contents;
+}
+
+// A target whose code reads one file of this name.
+template <typename Read>
+FuzzTarget OneFile(const std::string& name, const std::string& file_name, Read read,
+                   std::function<Contents()> seeds) {
+  const auto run = [file_name, read](const fs::path& folder, const std::string& bytes) {
+    const fs::path file = folder / file_name;
+    WriteFileAtomically(file, bytes);
+    read(file);
+  };
+  return {name, run, std::move(seeds)};
+}
+
+// ---- Meshes ----
+
+constexpr const char* kObj =
+    "mtllib a.mtl\nv 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\n"
+    "usemtl red\nf 1/1/1 3/2/1 2/3/1\nf 1/1 2/2 4/3\nf 1 4 3\nf 2 3 4\n";
+constexpr const char* kMtl = "newmtl red\nKd 1 0 0\nmap_Kd a.png\n";
+constexpr const char* kPlyText =
+    "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 4\nproperty float x\nproperty "
+    "float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+    "element face 4\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1 2 3\n0.1 0 0 1 2 "
+    "3\n0 0.1 0 1 2 3\n0 0 0.1 1 2 3\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+constexpr const char* kStlText =
+    "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 0.1 "
+    "0\nendloop\nendfacet\nfacet normal 0 1 0\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 "
+    "0 0.1\nendloop\nendfacet\nendsolid x\n";
+constexpr const char* kDae =
+    "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
+    "version=\"1.4.1\"><asset><unit meter=\"1\"/><up_axis>Z_UP</up_axis></asset>"
+    "<library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array id=\"pa\" "
+    "count=\"12\">0 0 0 0.1 0 0 0 0.1 0 0 0 0.1</float_array><technique_common><accessor "
+    "source=\"#pa\" count=\"4\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" "
+    "type=\"float\"/><param name=\"Z\" type=\"float\"/></accessor></technique_common></source>"
+    "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles "
+    "count=\"4\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>0 2 1 0 1 3 0 3 2 1 2 "
+    "3</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene "
+    "id=\"s\"><node><instance_geometry url=\"#g\"/></node></visual_scene></library_visual_scenes>"
+    "<scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>";
+
+template <typename Value>
+void Put(Value value, std::string& bytes) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+constexpr float kCorners[4][3] = {{0, 0, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, {0, 0, 0.1f}};
+constexpr int32_t kFaces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+
+std::string BinaryPly() {
+  std::string ply =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float "
+      "y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const auto& corner : kCorners) {
+    for (const float x : corner) Put(x, ply);
+  }
+  for (const auto& face : kFaces) {
+    Put(uint8_t{3}, ply);
+    for (const int32_t index : face) Put(index, ply);
+  }
+  return ply;
+}
+
+std::string BinaryStl() {
+  std::string stl(80, ' ');
+  Put(uint32_t{4}, stl);
+  for (const auto& face : kFaces) {
+    for (int i = 0; i < 3; ++i) Put(0.f, stl);
+    for (const int32_t index : face) {
+      for (const float x : kCorners[index]) Put(x, stl);
+    }
+    Put(uint16_t{0}, stl);
+  }
+  return stl;
+}
+
+FuzzTarget MeshTarget(const std::string& extension, Contents seeds) {
+  return OneFile(
+      "mesh_" + extension, "a." + extension, [](const fs::path& file) { LoadMesh(file); },
+      [seeds] { return seeds; });
+}
+
+FuzzTarget MaterialTarget() {
+  const auto run = [](const fs::path& folder, const std::string& bytes) {
+    WriteFileAtomically(folder / "a.obj", kObj);
+    WriteFileAtomically(folder / "a.mtl", bytes);
+    LoadMesh(folder / "a.obj");
+  };
+  return {"material", run, [] { return Contents{kMtl}; }};
+}
+
+TriangleMesh Tetrahedron() {
+  TriangleMesh mesh;
+  for (const auto& c : kCorners) mesh.vertices.emplace_back(c[0], c[1], c[2]);
+  for (const auto& f : kFaces) mesh.triangles.emplace_back(f[0], f[1], f[2]);
+  return mesh;
+}
+
+FuzzTarget ObjectTarget() {
+  const auto run = [](const fs::path& folder, const std::string& bytes) {
+    const fs::path object = folder / "catalog" / "x";
+    MakeFolder(object);
+    SaveObj(object / "mesh.obj", Tetrahedron());
+    WriteFileAtomically(object / "object.yaml", bytes);
+    ObjectCatalog({folder / "catalog"}).Load("x");
+  };
+  constexpr const char* kObject =
+      "mesh: mesh.obj\nunit: m\ndensity_kgpm3: 2700\nfriction: 0.5\nsymmetries:\n  discrete:\n    "
+      "- "
+      "{axis: [0, 0, 1], angle_deg: 180}\n  continuous: []\n";
+  constexpr const char* kHeavy =
+      "mesh: mesh.obj\nunit: m\nmass_kg: 0.2\ncom_m: [0.02, 0.02, 0.02]\nfriction: 0.4\n";
+  return {"object", run, [] { return Contents{kObject, kHeavy}; }};
+}
+
+// ---- BOP datasets ----
+
+// A dataset with one file replaced.
+class SmallDataset {
+ public:
+  SmallDataset() { MakeSmall(temporary_.path(), 1, 2); }
+  std::string Read(const std::string& file) const {
+    return ReadFileBytes(temporary_.path() / file);
+  }
+  void CopyTo(const fs::path& folder) const {
+    fs::copy(temporary_.path(), folder, fs::copy_options::recursive);
+  }
+
+ private:
+  const TemporaryFolder temporary_;
+};
+
+const SmallDataset& Small() {
+  static const SmallDataset dataset;
+  return dataset;
+}
+
+FuzzTarget BopTarget(const std::string& name, const std::string& file) {
+  const auto run = [file](const fs::path& folder, const std::string& bytes) {
+    const fs::path root = folder / "set";
+    fs::remove_all(root);
+    Small().CopyTo(root);
+    WriteFileAtomically(root / file, bytes);
+    CheckDataset(root);
+    EvaluateDataset(root, "test", {});
+  };
+  FuzzTarget target{"bop_" + name, run, [file] { return Contents{Small().Read(file)}; }};
+  target.reads_file = false;  // other files of the set can be at fault
+  return target;
+}
+
+// ---- Stores and models ----
+
+std::string StoreBytes() {
+  const TemporaryFolder temporary;
+  {
+    ResultsStore store(temporary.path(), "seed: 1");
+    for (int trial = 0; trial < 2; ++trial) store.Write(FullTrial(trial));
+  }
+  return ReadFileBytes(temporary.path() / kStoreFile);
+}
+
+void ReadStore(const fs::path& folder) {
+  const ResultsStore store = ResultsStore::OpenToRead(folder);
+  store.ForEach([](const TrialResult&) {});
+  store.Outcomes();
+  store.Crashed();
+}
+
+// The bytes are SQL statements, one on each line, that edit a store.
+FuzzTarget StoreSqlTarget() {
+  const auto run = [](const fs::path& folder, const std::string& bytes) {
+    static const std::string kStore = StoreBytes();
+    fs::remove_all(folder / "store");
+    MakeFolder(folder / "store");
+    WriteFileAtomically(folder / "store" / kStoreFile, kStore);
+    {
+      const Database db(folder / "store" / kStoreFile, Database::Mode::kExisting);
+      for (size_t from = 0; from < bytes.size();) {
+        const size_t end = std::min(bytes.find('\n', from), bytes.size());
+        const std::string statement = bytes.substr(from, end - from);
+        from = end + 1;
+        const bool edits = statement.starts_with("UPDATE ") || statement.starts_with("DELETE ") ||
+                           statement.starts_with("ALTER ") || statement.starts_with("DROP ");
+        if (edits) sqlite3_exec(db.handle(), statement.c_str(), nullptr, nullptr, nullptr);
+      }
+    }
+    ReadStore(folder / "store");
+  };
+  const auto seeds = [] {
+    Contents contents;
+    for (const char* const table : {"trials", "attempts", "hypotheses", "hypothesis_metrics",
+                                    "instances", "instance_outcomes", "rejections", "refusals",
+                                    "bands", "timings", "configurations", "settings"}) {
+      for (const char* const column : {"trial",
+                                       "attempt",
+                                       "hypothesis",
+                                       "instance",
+                                       "object",
+                                       "score",
+                                       "failure",
+                                       "grasp_x_wg",
+                                       "x_wo",
+                                       "visible_fraction",
+                                       "status",
+                                       "layers",
+                                       "configuration",
+                                       "seed",
+                                       "metric",
+                                       "value",
+                                       "chosen_hypothesis",
+                                       "band",
+                                       "cause",
+                                       "settings",
+                                       "identity"}) {
+        contents.push_back(fmt::format("UPDATE {} SET {} = 1 WHERE rowid = 1\n", table, column));
+        contents.push_back(fmt::format("UPDATE {} SET {} = '[1,0,0]'\n", table, column));
+      }
+      contents.push_back(fmt::format("DELETE FROM {} WHERE rowid = 1\n", table));
+      contents.push_back(fmt::format("DROP TABLE {}\n", table));
+    }
+    return contents;
+  };
+  return {"store_sql", run, seeds};
+}
+
+FuzzTarget StoreTarget() {
+  const auto run = [](const fs::path& folder, const std::string& bytes) {
+    WriteFileAtomically(folder / kStoreFile, bytes);
+    ReadStore(folder);
+  };
+  return {"store", run, [] { return Contents{StoreBytes()}; }};
+}
+
+constexpr size_t kBlockHead = 24, kHashAt = 16;  // magic, version, check sum
+
+// Gives a mutated file a right check sum, so that the code behind the check is reached.
+std::string WithRightHash(std::string bytes) {
+  if (bytes.size() < kBlockHead) return bytes;
+  const uint64_t hash = HashBytes(bytes.data() + kBlockHead, bytes.size() - kBlockHead);
+  std::memcpy(bytes.data() + kHashAt, &hash, sizeof hash);
+  return bytes;
+}
+
+template <typename Read>
+FuzzTarget ModelTarget(const std::string& name, const std::string& asset, Read read) {
+  const auto run = [read](const fs::path& folder, const std::string& bytes) {
+    const fs::path file = folder / "a.net";
+    WriteFileAtomically(file, WithRightHash(bytes));
+    read(file);
+  };
+  return {name, run, [asset] { return Contents{ReadFileBytes(AssetsDir() / "models" / asset)}; }};
+}
+
+FuzzTarget MessageTarget() {
+  const auto run = [](const fs::path&, const std::string& bytes) {
+    ReadMessageValue(std::as_bytes(std::span(bytes)));
+  };
+  const auto seeds = [] {
+    MessageWriter writer;
+    writer.BeginMap(4);
+    writer.Text("score");
+    writer.Real(0.5);
+    writer.Text("items");
+    writer.BeginList(3);
+    writer.Nil();
+    writer.Bool(true);
+    writer.Integer(-70000);
+    writer.Text("count");
+    writer.Unsigned(uint64_t{1} << 40);
+    writer.Text("pose");
+    const std::vector<double> numbers(12, 1.5);
+    writer.Numbers(numbers, std::vector<size_t>{3, 4});
+    std::string bytes;
+    for (const std::span<const std::byte> chunk : writer.Chunks()) {
+      bytes.append(reinterpret_cast<const char*>(chunk.data()), chunk.size());
+    }
+    return Contents{bytes};
+  };
+  FuzzTarget target{"message", run, seeds};
+  target.reads_file = false;
+  return target;
+}
+
+// ---- Images ----
+
+Contents PngSeeds() {
+  return {EncodePng(Image<Rgb8>(9, 7), 3), EncodePng(Image<uint16_t>(9, 7), 3),
+          EncodeJpeg(Image<Rgb8>(9, 7), 90)};
+}
+
+std::string NumpyDepth() {
+  std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (6, 8), }";
+  header.resize(117, ' ');
+  std::string npy = "\x93NUMPY";
+  npy += std::string("\x01\x00\x76\x00", 4) + header + "\n";
+  for (int i = 0; i < 48; ++i) Put(0.5f + 0.01f * static_cast<float>(i), npy);
+  return npy;
+}
+
+std::string CloudPcd() {
+  std::string pcd =
+      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 "
+      "1\nWIDTH "
+      "8\nHEIGHT 6\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 48\nDATA binary\n";
+  for (int i = 0; i < 48; ++i) {
+    Put(0.01f * static_cast<float>(i % 8 - 4), pcd);
+    Put(0.01f * static_cast<float>(i / 8 - 3), pcd);
+    Put(0.5f, pcd);
+    Put(uint32_t{0x808080}, pcd);
+  }
+  return pcd;
+}
+
+FuzzTarget DepthTarget() {
+  const auto run = [](const fs::path& folder, const std::string& bytes) {
+    WriteFileAtomically(folder / "depth.npy", bytes);
+    FrameFiles files;
+    files.image = folder / "depth.npy";
+    files.intrinsics = "20,20,4,3";
+    ReadFrameFiles(files);
+  };
+  FuzzTarget target{"depth_npy", run, [] { return Contents{NumpyDepth()}; }};
+  target.reads_file = false;  // the intrinsics can be at fault, too
+  return target;
+}
+
+FuzzTarget CloudTarget() {
+  const auto run = [](const fs::path& folder, const std::string& bytes) {
+    WriteFileAtomically(folder / "cloud.pcd", bytes);
+    FrameFiles files;
+    files.image = folder / "cloud.pcd";
+    ReadFrameFiles(files);
+  };
+  return {"cloud_pcd", run, [] { return Contents{CloudPcd()}; }};
+}
+
+constexpr const char* kResults =
+    "scene_id,im_id,obj_id,score,R,t,time\n1,1,1,0.9,1 0 0 0 1 0 0 0 1,10 20 500,0.1\n1,2,1,0.5,0 "
+    "-1 0 1 0 0 0 0 1,-10.5 0 612.25,-1\n";
+
+std::vector<FuzzTarget> MakeTargets() {
+  const auto assets = [](const char* folder) {
+    return [folder] { return FilesOf(AssetsDir() / folder, ".yaml"); };
+  };
+  const auto presets = [](bool sweeps) {
+    return [sweeps] {
+      Contents contents = FilesOf(PresetsDir(), ".yaml");
+      std::erase_if(contents, [sweeps](const std::string& text) {
+        return (text.find("\ngrid:") != std::string::npos) != sweeps;
+      });
+      return contents;
+    };
+  };
+  return {
+      OneFile(
+          "scenario", "a.yaml", [](const fs::path& file) { LoadScenario(file); }, presets(false)),
+      OneFile(
+          "sweep", "a.yaml", [](const fs::path& file) { GridConfigurations(LoadSweepSpec(file)); },
+          [] {
+            return Contents{
+                "scenario: demo\ntrials: 3\nset: {camera.focal_px: 700}\ngrid:\n  sensor: [ideal, "
+                "time_of_flight]\n  seed: 1..3\n  fill: {half: {objects.0.count: 4}, full: "
+                "{objects.0.count: 9}}\nslurm: {shards: 4, partition: short, time: 2:00:00}\n"};
+          }),
+      OneFile(
+          "gripper", "a.yaml", [](const fs::path& file) { LoadGripper(file.string()); },
+          assets("grippers")),
+      OneFile(
+          "sensor", "a.yaml", [](const fs::path& file) { LoadSensorProfile(file.string()); },
+          assets("sensors")),
+      OneFile(
+          "bin", "a.yaml", [](const fs::path& file) { LoadBin(file.string()); }, assets("bins")),
+      ObjectTarget(),
+      MeshTarget("obj", {kObj}),
+      MeshTarget("ply", {kPlyText, BinaryPly()}),
+      MeshTarget("stl", {kStlText, BinaryStl()}),
+      MeshTarget("dae", {kDae}),
+      MaterialTarget(),
+      BopTarget("camera", "test/000001/scene_camera.json"),
+      BopTarget("truth", "test/000001/scene_gt.json"),
+      BopTarget("truth_info", "test/000001/scene_gt_info.json"),
+      BopTarget("models_info", "models/models_info.json"),
+      BopTarget("targets", "test_targets_bop19.json"),
+      BopTarget("model", "models/obj_000001.ply"),
+      BopTarget("depth", "test/000001/depth/000001.png"),
+      OneFile(
+          "results_csv", "a.csv", [](const fs::path& file) { ReadEstimates(file); },
+          [] { return Contents{kResults}; }),
+      OneFile(
+          "png", "a.png", [](const fs::path& file) { ReadPng(file); }, PngSeeds),
+      OneFile(
+          "png16", "a.png", [](const fs::path& file) { ReadPng16(file); },
+          [] { return Contents{EncodePng(Image<uint16_t>(9, 7), 3)}; }),
+      DepthTarget(),
+      CloudTarget(),
+      StoreTarget(),
+      StoreSqlTarget(),
+      ModelTarget("model", "shipped.pt", [](const fs::path& file) { LoadModel(file); }),
+      ModelTarget("verifiers", "ppf.pt", [](const fs::path& file) { LoadVerifiers(file, "ppf"); }),
+      ModelTarget("completion_model", "completion.net",
+                  [](const fs::path& file) { LoadCompletionModel(file); }),
+      MessageTarget(),
+  };
+}
+
+}  // namespace
+
+std::span<const FuzzTarget> FuzzTargets() {
+  static const std::vector<FuzzTarget> targets = MakeTargets();
+  return targets;
+}
+
+const FuzzTarget& FindFuzzTarget(const std::string& name) {
+  std::vector<std::string> names;
+  for (const FuzzTarget& target : FuzzTargets()) {
+    if (target.name == name) return target;
+    names.push_back(target.name);
+  }
+  throw InputError(UnknownNameMessage("target", name, names));
+}
+
+}  // namespace pickbed::tests

@@ -1,0 +1,49 @@
+#include "scenes/base/yaml.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/support/error_of.h"
+
+namespace pickbed::tests {
+namespace {
+
+using testing::HasSubstr;
+
+std::string ErrorFor(const std::string& text) {
+  return ErrorOf([&] { ParseYaml(text, "a.yaml"); });
+}
+
+TEST(ParseYaml, ReadsAliases) {
+  const YAML::Node node = ParseYaml("a: &x [1, 2]\nb: *x\n", "a.yaml");
+  EXPECT_EQ(node["b"][1].as<int>(), 2);
+}
+
+TEST(ParseYaml, NamesTheLineOfAFault) {
+  EXPECT_THAT(ErrorFor("a: 1\nb: [\n"), HasSubstr("a.yaml:3: not valid YAML"));
+}
+
+TEST(ParseYaml, RefusesANodeWithinItself) {
+  EXPECT_THAT(ErrorFor("x: &a [*a]\n"), HasSubstr("a.yaml:1: is nested more than 64 levels"));
+}
+
+TEST(ParseYaml, RefusesAliasesOfAliases) {
+  std::string bomb = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n";
+  for (int i = 1; i < 10; ++i) {
+    std::string list;
+    for (int k = 0; k < 10; ++k) list += (k > 0 ? ", *a" : "*a") + std::to_string(i - 1);
+    bomb += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + list + "]\n";
+  }
+  EXPECT_THAT(ErrorFor(bomb), HasSubstr("has more than 200000 values"));
+}
+
+TEST(ParseYaml, RefusesDeepNestingAndLargeTexts) {
+  EXPECT_NE(ErrorFor(std::string(100, '[') + std::string(100, ']')), "no error");
+  EXPECT_NE(ErrorFor(std::string(100000, '[')), "no error");
+  EXPECT_THAT(ErrorFor("a: " + std::string(5 << 20, 'x')), HasSubstr("a YAML file may have"));
+}
+
+}  // namespace
+}  // namespace pickbed::tests
