@@ -33,11 +33,13 @@ SimulatedCell::SimulatedCell(const ScenarioSpec& spec, const ObjectSet& objects)
       errors_(spec.cell),
       appearance_(spec.appearance),
       sensor_(SensorThatSees(spec, camera_)),
-      objects_(WithRestingDirections(WithConvexPieces(objects))) {
+      objects_(objects),
+      is_prepared_(objects.size(), false) {
   CheckSettings("ScenarioSpec", spec);
   drop_.arrangement = ArrangementFromName(spec.arrangement);
   entries_ = spec.objects;
   draw_ = spec.draw;
+  if (draw_ == 0) PrepareAllObjects();
   for (const ObjectSpec& object : spec.objects) {
     if (!object.distractor) wanted_.push_back(ObjectId(counts_.size()));
     counts_.push_back(object.count);
@@ -45,6 +47,26 @@ SimulatedCell::SimulatedCell(const ScenarioSpec& spec, const ObjectSet& objects)
   if (spec.fill == 0) return;
   counts_ = WithSettingsKey(
       spec, "fill", [&] { return sim::CountsForFill(bin_, objects_, counts_, spec.fill, drop_); });
+}
+
+void SimulatedCell::PrepareAllObjects() const { Prepare(std::vector<int>(objects_.size(), 1)); }
+
+// Prepares the objects with a count over 0.
+void SimulatedCell::Prepare(const std::vector<int>& counts) const {
+  std::vector<size_t> missing;
+  for (size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] > 0 && !is_prepared_[i]) missing.push_back(i);
+  }
+  for (size_t k = 0; k < missing.size(); ++k) {
+    auto& object = objects_[missing[k]];
+    object = WithRestingDirections({WithConvexPieces(object)}).front();
+    is_prepared_[missing[k]] = true;
+    if (on_prepare_) on_prepare_(static_cast<int>(k + 1), static_cast<int>(missing.size()));
+  }
+}
+
+std::vector<int> SimulatedCell::CountsIn(BinIndex bin_index) const {
+  return draw_ > 0 ? CountsInBin(entries_, draw_, seed_, bin_index) : counts_;
 }
 
 void SimulatedCell::SetSeed(uint64_t seed) {
@@ -84,6 +106,7 @@ std::vector<double> SimulatedCell::SizesOf(BinIndex bin_index) const {
 }
 
 ObjectSet SimulatedCell::TrueObjects(BinIndex bin_index) const {
+  if (draw_ > 0) Prepare(CountsIn(bin_index));
   return ObjectsOfSizes(objects_, SizesOf(bin_index));
 }
 
@@ -95,8 +118,7 @@ void SimulatedCell::AddDeviations(BinIndex bin_index, Scene& scene) const {
 
 CertifiedScene SimulatedCell::MakeScene(BinIndex bin_index) const {
   const ObjectSet objects = TrueObjects(bin_index);
-  const std::vector<int> counts =
-      draw_ > 0 ? CountsInBin(entries_, draw_, seed_, bin_index) : counts_;
+  const std::vector<int> counts = CountsIn(bin_index);
   // The drop gets only the objects of this bin, because its time steps depend on the smallest one.
   ObjectSet dropped;
   std::vector<int> dropped_counts;

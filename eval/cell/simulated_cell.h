@@ -18,6 +18,7 @@
 #include "eval/layer.h"
 #include "scenes/base/ids.h"
 #include "scenes/camera/rgbd_frame.h"
+#include "scenes/scenario/load_objects.h"
 #include "scenes/scenario/scenario_spec.h"
 #include "scenes/scene.h"
 #include "sim/drop/certified_scene.h"
@@ -42,13 +43,18 @@ struct Observation {
 
 class SimulatedCell {
  public:
-  // Loads the sensor and decomposes the objects into convex pieces. The renderer is made on first
-  // use. Throws InputError for an unknown sensor, or if the bin floor is outside the sensor's
-  // range.
+  // Loads the sensor and prepares the objects: their convex pieces and resting directions are read
+  // from the disk cache or computed. If each bin draws its objects from a pool, an object is
+  // prepared when a bin first draws it. The renderer is made on first use. Throws InputError for an
+  // unknown sensor, or if the bin floor is outside the sensor's range.
   SimulatedCell(const ScenarioSpec& spec, const ObjectSet& objects);
 
   // Replaces the seed of the scenario.
   void SetSeed(uint64_t seed);
+  // Prepares all objects of a pool, for callers that use objects() before a bin draws them.
+  void PrepareAllObjects() const;
+  // Calls `on_prepare` after each object that is prepared from now on.
+  void SetOnPrepare(ObjectProgress on_prepare) { on_prepare_ = std::move(on_prepare); }
   // Calls `on_wait` often while a bin is dropped. An exception ends the drop.
   void SetOnWait(std::function<void()> on_wait) { drop_.on_wait = std::move(on_wait); }
 
@@ -77,10 +83,11 @@ class SimulatedCell {
   AttemptErrors ErrorsOf(BinIndex bin_index, int attempt) const;
   // Size deviation by object, see DrawSizes().
   std::vector<double> SizesOf(BinIndex bin_index) const;
-  // Returns the objects of a bin in their true sizes. Physics and images use them.
+  // Returns all objects in their true sizes in a bin. Physics and images use them. The objects that
+  // the bin draws are prepared.
   ObjectSet TrueObjects(BinIndex bin_index) const;
 
-  // Objects as in CAD, with convex pieces. Estimation and planning use them.
+  // Objects as in CAD. Estimation and planning use them. The prepared ones have convex pieces.
   const ObjectSet& objects() const { return objects_; }
   // Objects that are no distractors.
   const std::vector<ObjectId>& wanted() const { return wanted_; }
@@ -100,6 +107,8 @@ class SimulatedCell {
     sim::PictureRenderer pictures;
   };
   Drawn& DrawnIn(BinIndex bin_index);
+  std::vector<int> CountsIn(BinIndex bin_index) const;
+  void Prepare(const std::vector<int>& counts) const;
   void AddDeviations(BinIndex bin_index, Scene& scene) const;
 
   uint64_t seed_;
@@ -114,7 +123,9 @@ class SimulatedCell {
   CellErrorsSpec errors_;
   AppearanceRanges appearance_;
   SensorProfile sensor_;
-  ObjectSet objects_;
+  mutable ObjectSet objects_;
+  mutable std::vector<bool> is_prepared_;  // by object
+  ObjectProgress on_prepare_;
   std::unique_ptr<Drawn> drawn_;  // of all bins, or of drawn_bin_ if sizes deviate
   BinIndex drawn_bin_{-1};
 };

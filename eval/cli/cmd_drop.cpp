@@ -1,22 +1,30 @@
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/cli/run_progress.h"
 #include "eval/draw/bin_view.h"
 #include "eval/export/scene_json.h"
 #include "eval/summary/clutter_json.h"
 #include "eval/trial/clutter.h"
+#include "grasp/planners/table.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 
 namespace pickbed::eval {
 namespace {
 
-// The scene is measured at true poses, so no estimator is loaded.
-TrialOptions PerceptionGiven() {
+// Counts the graspable instances at true poses, so no estimator is loaded. A planner without poses
+// has no such grasps.
+GraspableCount Graspable(const LoadedScenario& scenario, const CertifiedScene& made,
+                         const Observation& view) {
+  if (!PlannerNamed(scenario.spec.planner.name).needs_poses) return {};
   TrialOptions options;
   options.truth = {true, true, true, true, false};
-  return options;
+  const TrialSetup setup(scenario.spec, scenario.objects, {}, options);
+  return CountGraspable(setup, made.scene, view.visible_fractions, std::numeric_limits<int>::max());
 }
 
 }  // namespace
@@ -41,19 +49,25 @@ int DropCommand(int argc, char** argv) {
   if (!ParseArguments(app, argc, argv)) return 0;
 
   const BinIndex bin_index(trial);
-  const LoadedScenario scenario = FindScenario(arguments);
+  ProgressLine progress;
+  const ObjectProgress on_object = ShowObjectsOn(progress);
+  const LoadedScenario scenario = FindScenario(arguments, on_object);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-drop");
   MakeFolder(folder);
-  TrialSetup setup(scenario.spec, scenario.objects, {}, PerceptionGiven());
-  SimulatedCell& cell = setup.cell;
+  SimulatedCell cell(scenario.spec, scenario.objects);
+  cell.SetOnPrepare(on_object);
   const CertifiedScene made = cell.MakeScene(bin_index);
   WriteFileAtomically(folder / kSceneFile, SceneJson(made.scene, cell.objects()));
   WritePng(folder / "color.png", cell.ColorPicture(made.scene, bin_index));
   WritePng(folder / kPictureFile,
            cell.PictureOf(made.scene, bin_index, BinCamera(cell.camera(), cell.bin())).color);
   WriteFileAtomically(folder / kCertificateFile, CertificateJson(made));
-  const ClutterSummary clutter = ClutterOfBin(
-      MeasureClutter(setup, made.scene, bin_index, cell.Capture(made.scene, bin_index, 0)));
+  const Observation view = cell.Capture(made.scene, bin_index, 0);
+  ClutterStatistics statistics = MeasureClutter(cell, made.scene, bin_index, view);
+  const GraspableCount count = Graspable(scenario, made, view);
+  statistics.tested = count.tested;
+  statistics.graspable = count.graspable;
+  const ClutterSummary clutter = ClutterOfBin(statistics);
   WriteFileAtomically(folder / kClutterFile, ClutterJson(clutter, scenario.spec.gripper.InWords()));
   fmt::print("{}{}wrote {}, {}, {}, color.png and {}\n", CertificateText(made),
              ClutterText(clutter, scenario.spec.gripper.InWords()), (folder / kSceneFile).string(),

@@ -5,6 +5,7 @@
 #include "eval/cell/simulated_cell.h"
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/cli/run_progress.h"
 #include "eval/draw/bin_view.h"
 #include "eval/draw/overlay.h"
 #include "eval/export/visibility_csv.h"
@@ -33,10 +34,13 @@ int RenderCommand(int argc, char** argv) {
   if (!ParseArguments(app, argc, argv)) return 0;
 
   const BinIndex bin_index(trial);
-  const LoadedScenario scenario = FindScenario(arguments);
+  ProgressLine progress;
+  const ObjectProgress on_object = ShowObjectsOn(progress);
+  const LoadedScenario scenario = FindScenario(arguments, on_object);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-render");
   MakeFolder(folder);
   SimulatedCell cell(scenario.spec, scenario.objects);
+  cell.SetOnPrepare(on_object);
   const Scene scene = cell.MakeScene(bin_index).scene;
   const Observation view = cell.Capture(scene, bin_index, 0);
   WritePng(folder / "color.png", view.frame.color);

@@ -77,7 +77,10 @@ int RunCommand(int argc, char** argv) {
   if (!ParseArguments(app, argc, argv)) return 0;
 
   CatchInterrupts();
-  const LoadedScenario scenario = FindScenario(arguments);
+  const LoadedScenario scenario = [&] {
+    ProgressLine progress;
+    return FindScenario(arguments, ShowObjectsOn(progress));
+  }();
   options.out = OutFolder(out, scenario.name);
   options.tolerance = MapsFor(scenario.spec, scenario.objects, tolerance);
   fmt::print(stderr, "{}", UnfitTools(scenario.spec, scenario.objects));

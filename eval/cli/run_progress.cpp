@@ -41,6 +41,19 @@ RunListener ShowOn(ProgressLine& progress, const std::function<bool()>& stop) {
   return listener;
 }
 
+ObjectProgress ShowObjectsOn(ProgressLine& progress) {
+  constexpr double kShort_s = 2;
+  return [&progress](int done, int total) {
+    if (done == 1) progress.Restart();
+    if (progress.elapsed_s() < kShort_s) return;
+    ProgressState state;
+    state.what = "object";
+    state.done = done;
+    state.total = total;
+    progress.Show(state);
+  };
+}
+
 void RequireNoCrash(const std::vector<CrashedTrial>& crashed) {
   if (crashed.empty()) return;
   const CrashedTrial& first = crashed.front();

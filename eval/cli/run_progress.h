@@ -7,6 +7,7 @@
 
 #include "eval/runtime/progress.h"
 #include "eval/sweep/sweep.h"
+#include "scenes/scenario/load_objects.h"
 
 namespace pickbed::eval {
 
@@ -16,6 +17,10 @@ ProgressState ProgressOf(const RunState& state);
 // Returns a listener that shows finished trials and the messages of workers. `progress` must
 // outlive it.
 RunListener ShowOn(ProgressLine& progress, const std::function<bool()>& stop);
+
+// Returns a function that shows the objects that are loaded or prepared, with the time left. It
+// shows nothing in the first 2 s. `progress` must outlive it.
+ObjectProgress ShowObjectsOn(ProgressLine& progress);
 
 // Throws std::runtime_error if trials crashed. The message names the first one.
 void RequireNoCrash(const std::vector<CrashedTrial>& crashed);

@@ -54,7 +54,9 @@ ResultColumns ClutterKeys() {
       {"layers", "number of instances in each layer, from the top"},
       {"in_view.BAND", "number of wanted instances by visible fraction in percent"},
       {"counted", "number of wanted instances that are at least 10 % visible"},
-      {"tested", "number of them for which a grasp was planned, at the true poses"},
+      {"tested",
+       "number of them for which a grasp was planned, at the true poses; 0 for planners without "
+       "poses"},
       {"graspable", "number of tested ones with a grasp that meets nothing"},
       {"gripper", "name of the gripper for it"},
   };
@@ -82,14 +84,21 @@ std::string ClutterText(const ClutterSummary& clutter, const std::string& grippe
     visible += fmt::format("{}{} % {}", visible.empty() ? "" : ", ", names[i], clutter.in_view[i]);
   }
   const bool several = clutter.bins > 1;
-  return fmt::format(
+  const std::string text = fmt::format(
       "{}fill level {:.0f} % of the bin's height; {} instances{} in layers from the top: {}\n"
-      "by visible fraction: {}\n"
-      "{} of {}{} instances that are at least {} visible can be grasped{}\n",
+      "by visible fraction: {}\n",
       several ? "mean " : "", 100 * clutter.fill_level, clutter.instances,
       several ? fmt::format(" of {} bins", clutter.bins) : "", fmt::join(clutter.layers, ", "),
-      visible, clutter.graspable, clutter.tested, clutter.tested < clutter.counted ? " tested" : "",
-      WholePercentText(kCountedVisibility), gripper.empty() ? "" : " with " + gripper);
+      visible);
+  const std::string min_visibility = WholePercentText(kCountedVisibility);
+  if (clutter.tested == 0) {
+    return text +
+           fmt::format("{} instances are at least {} visible\n", clutter.counted, min_visibility);
+  }
+  return text + fmt::format("{} of {}{} instances that are at least {} visible can be grasped{}\n",
+                            clutter.graspable, clutter.tested,
+                            clutter.tested < clutter.counted ? " tested" : "", min_visibility,
+                            gripper.empty() ? "" : " with " + gripper);
 }
 
 }  // namespace pickbed::eval

@@ -1,7 +1,6 @@
 #include "eval/trial/clutter.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "eval/trial/grasp_choice.h"
 #include "sim/drop/fill_level.h"
@@ -19,6 +18,7 @@ std::vector<int> CountsByLayer(std::span<const int> layers) {
 
 GraspableCount CountGraspable(const TrialSetup& setup, const Scene& scene,
                               std::span<const double> visible_fractions, int max_tested) {
+  if (!setup.has_poses) return {};
   std::vector<EstimatedPose> poses;
   std::vector<int> counted;
   for (size_t i = 0; i < scene.objects.size(); ++i) {
@@ -36,22 +36,18 @@ GraspableCount CountGraspable(const TrialSetup& setup, const Scene& scene,
   return {count, grasp::CountReachable(InputsOf(setup, poses, {}, targets), count)};
 }
 
-ClutterStatistics MeasureClutter(const TrialSetup& setup, const Scene& scene, BinIndex bin_index,
+ClutterStatistics MeasureClutter(const SimulatedCell& cell, const Scene& scene, BinIndex bin_index,
                                  const Observation& view) {
-  const sim::FillStatistics fill = sim::MeasureFill(scene, setup.cell.TrueObjects(bin_index));
+  const sim::FillStatistics fill = sim::MeasureFill(scene, cell.TrueObjects(bin_index));
   ClutterStatistics clutter;
   clutter.instances = static_cast<int>(scene.objects.size());
   clutter.fill_level = fill.fill_level;
   clutter.layers = CountsByLayer(fill.layers);
   for (size_t i = 0; i < scene.objects.size(); ++i) {
-    if (!setup.cell.IsWanted(scene.objects[i].object)) continue;
+    if (!cell.IsWanted(scene.objects[i].object)) continue;
     clutter.visible_fraction.push_back(view.visible_fractions[i]);
     clutter.counted += view.visible_fractions[i] >= kCountedVisibility;
   }
-  const GraspableCount count =
-      CountGraspable(setup, scene, view.visible_fractions, std::numeric_limits<int>::max());
-  clutter.tested = count.tested;
-  clutter.graspable = count.graspable;
   return clutter;
 }
 

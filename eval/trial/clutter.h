@@ -16,8 +16,9 @@ struct ClutterStatistics {
   std::vector<int> layers;               // instances in each layer, from the top
   std::vector<double> visible_fraction;  // of each wanted instance
   int counted = 0;                       // wanted instances with at least kCountedVisibility
-  int tested = 0;                        // counted instances for which a grasp was planned
-  int graspable = 0;  // tested instances with a grasp that meets nothing, at the true poses
+  // Counted instances for which a grasp was planned at the true poses, and those with a grasp that
+  // meets nothing.
+  int tested = 0, graspable = 0;
 };
 
 // Returns the number of instances in each layer, from the top. `layers`: layer of each instance.
@@ -28,14 +29,15 @@ struct GraspableCount {
 };
 
 // Counts the graspable ones among wanted instances that are at least kCountedVisibility visible: a
-// grasp meets nothing. All instances at their true poses are obstacles.
+// grasp meets nothing. All instances at their true poses are obstacles. Without a pose stage there
+// are no grasp candidates, so none is tested.
 // - visible_fractions: by scene.objects
 // - max_tested: of more instances, so many are tested, evenly spread over their order
 GraspableCount CountGraspable(const TrialSetup& setup, const Scene& scene,
                               std::span<const double> visible_fractions, int max_tested);
 
-// Measures a scene of the setup's cell in the view of its camera.
-ClutterStatistics MeasureClutter(const TrialSetup& setup, const Scene& scene, BinIndex bin_index,
+// Measures a scene of a cell in the view of its camera. No instance is tested for a grasp.
+ClutterStatistics MeasureClutter(const SimulatedCell& cell, const Scene& scene, BinIndex bin_index,
                                  const Observation& view);
 
 }  // namespace pickbed::eval

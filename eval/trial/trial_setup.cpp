@@ -66,6 +66,12 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
   const PlannerRow& planner_row = PlannerOf(scenario, truth);
   has_poses = planner_row.needs_poses;
   if (!options.estimator_on_demand) MakeEstimator();
+  if (on_progress) {
+    cell.SetOnPrepare([report = on_progress](int done, int total) {
+      report("objects prepared", static_cast<double>(done) / total);
+    });
+  }
+  if (has_poses) cell.PrepareAllObjects();
   candidates.resize(tools.size());
   for (size_t i = 0; i < cell.objects().size(); ++i) {
     const ObjectModel& model = *cell.objects()[i];

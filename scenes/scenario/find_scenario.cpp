@@ -6,7 +6,6 @@
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
-#include "scenes/scenario/load_objects.h"
 #include "scenes/scenario/object_pool.h"
 
 namespace pickbed::scenes {
@@ -36,7 +35,7 @@ void FindBeside(const std::filesystem::path& folder, std::string& name_or_path) 
 
 }  // namespace
 
-LoadedScenario FindScenario(const ScenarioRequest& request) {
+LoadedScenario FindScenario(const ScenarioRequest& request, const ObjectProgress& on_object) {
   const std::filesystem::path file = ScenarioFile(request.scenario);
   std::vector<std::string> settings = request.settings;
   if (request.trials) settings.push_back(fmt::format("trials={}", *request.trials));
@@ -51,7 +50,7 @@ LoadedScenario FindScenario(const ScenarioRequest& request) {
   for (std::string& word : loaded.spec.estimator.command) FindBeside(loaded.spec.folder, word);
   for (std::string& word : loaded.spec.planner.command) FindBeside(loaded.spec.folder, word);
   for (std::string& tool : loaded.spec.gripper.names) FindBeside(loaded.spec.folder, tool);
-  loaded.objects = LoadObjects(loaded.spec, OpenCatalog(request.catalog));
+  loaded.objects = LoadObjects(loaded.spec, OpenCatalog(request.catalog), on_object);
   return loaded;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scenes/objects/object_catalog.h"
+#include "scenes/scenario/load_objects.h"
 #include "scenes/scenario/scenario_spec.h"
 
 namespace pickbed::scenes {
@@ -28,9 +29,9 @@ struct LoadedScenario {
 };
 // Loads the scenario file or preset, applies the settings, expands pools of objects
 // (object_pool.h) and loads its objects. Sensor, gripper
-// and model files are also searched in the scenario's folder. Throws InputError for an unknown name
-// or a bad value.
-LoadedScenario FindScenario(const ScenarioRequest& request);
+// and model files are also searched in the scenario's folder. `on_object` is called after each
+// loaded object. Throws InputError for an unknown name or a bad value.
+LoadedScenario FindScenario(const ScenarioRequest& request, const ObjectProgress& on_object = {});
 
 // Returns the catalog of the user's own folder and, with lower priority, the shipped one.
 ObjectCatalog OpenCatalog(const std::string& own_folder);

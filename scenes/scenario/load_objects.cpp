@@ -84,7 +84,8 @@ void RequireRoom(const ScenarioSpec& spec, const ObjectSet& objects) {
 
 }  // namespace
 
-ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog) {
+ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog,
+                      const ObjectProgress& on_object) {
   ObjectSet objects;
   for (size_t i = 0; i < spec.objects.size(); ++i) {
     const ObjectSpec& object = spec.objects[i];
@@ -93,6 +94,7 @@ ObjectSet LoadObjects(const ScenarioSpec& spec, const ObjectCatalog& catalog) {
       objects.push_back(LoadObject(spec, object, catalog));
       RequireFits(*objects.back(), spec.bin);
     });
+    if (on_object) on_object(static_cast<int>(i + 1), static_cast<int>(spec.objects.size()));
   }
   int wanted = 0;
   for (const ObjectSpec& object : spec.objects) wanted += object.distractor ? 0 : object.count;

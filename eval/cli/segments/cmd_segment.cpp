@@ -2,6 +2,7 @@
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/cli/run_progress.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
 #include "eval/segments/segmentation.h"
@@ -9,8 +10,6 @@
 
 namespace pickbed::eval {
 namespace {
-
-constexpr const char* kPicturesFolder = "pictures";
 
 std::string MethodHelp() {
   std::string help = "method, may be repeated; default: all.";
@@ -66,7 +65,7 @@ int SegmentCommand(int argc, char** argv) {
     options.pictures = folder / kPicturesFolder;
   };
   if (clouds.empty()) {
-    const LoadedScenario scenario = FindScenario(arguments);
+    const LoadedScenario scenario = FindScenario(arguments, ShowObjectsOn(progress));
     choose_folder(scenario.name);
     rows = SegmentBins(scenario.spec, scenario.objects, options, on_image);
   } else {

@@ -30,6 +30,48 @@ TEST(SimulatedCell, BinOutsideTheSensorRangeIsRefused) {
   EXPECT_THAT(ErrorOf([&] { SimulatedCell(spec, EasyCube()); }), HasSubstr("4.610 m"));
 }
 
+TEST(SimulatedCell, PreparesAPoolObjectWhenABinFirstDrawsIt) {
+  ScenarioSpec spec = CubeScenario(1);
+  ObjectSet pool;
+  spec.objects.assign(8, spec.objects[0]);
+  for (int i = 0; i < 8; ++i) {
+    spec.objects[i].name = fmt::format("cube_{}", i);
+    auto mesh_only = std::make_shared<ObjectModel>(*Cube(0.02 + 0.001 * i, 0.05, 0.6));
+    mesh_only->convex_pieces_O.clear();
+    mesh_only->resting_O.clear();
+    pool.push_back(mesh_only);
+  }
+  spec.draw = 3;
+  const auto prepared = [](const SimulatedCell& cell) {
+    std::vector<int> each;
+    for (const auto& object : cell.objects()) {
+      each.push_back(!object->convex_pieces_O.empty() && !object->resting_O.empty());
+    }
+    return each;
+  };
+  SimulatedCell cell(spec, pool);
+  EXPECT_EQ(prepared(cell), std::vector<int>(8, 0));
+  std::vector<std::pair<int, int>> progress;
+  cell.SetOnPrepare([&](int done, int total) { progress.emplace_back(done, total); });
+  const BinIndex bin_index(2);
+  const Scene scene = cell.MakeScene(bin_index).scene;
+  EXPECT_EQ(prepared(cell), CountsInBin(spec.objects, 3, spec.seed, bin_index));
+  EXPECT_THAT(progress,
+              testing::ElementsAre(testing::Pair(1, 3), testing::Pair(2, 3), testing::Pair(3, 3)));
+  // The scene does not depend on what was prepared before.
+  SimulatedCell all(spec, pool);
+  all.PrepareAllObjects();
+  EXPECT_EQ(prepared(all), std::vector<int>(8, 1));
+  const Scene same = all.MakeScene(bin_index).scene;
+  ASSERT_EQ(scene.objects.size(), same.objects.size());
+  for (size_t k = 0; k < scene.objects.size(); ++k) {
+    EXPECT_EQ(scene.objects[k].object, same.objects[k].object);
+    EXPECT_EQ(scene.objects[k].X_WO.matrix(), same.objects[k].X_WO.matrix());
+  }
+  all.MakeScene(bin_index);
+  EXPECT_EQ(progress.size(), 3u);
+}
+
 // Physics and image of a bin depend only on what it draws, not on the rest of the pool.
 TEST(SimulatedCell, ADrawnBinEqualsABinOfTheDrawnObjects) {
   ScenarioSpec spec = CubeScenario(1);

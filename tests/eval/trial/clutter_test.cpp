@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "eval/summary/clutter_json.h"
+#include "eval/summary/run_summary.h"
 #include "tests/eval/cube_scenario.h"
 
 namespace pickbed::tests {
@@ -22,7 +23,12 @@ ClutterStatistics ClutterOf(const std::vector<Eigen::Vector3d>& centers) {
     X_WO.translation() = side_m * center;
     scene.objects.push_back({InstanceId(scene.objects.size()), ObjectId(0), X_WO});
   }
-  return MeasureClutter(setup, scene, BinIndex(0), setup.cell.Capture(scene, BinIndex(0), 0));
+  const Observation view = setup.cell.Capture(scene, BinIndex(0), 0);
+  ClutterStatistics clutter = MeasureClutter(setup.cell, scene, BinIndex(0), view);
+  const GraspableCount count = CountGraspable(setup, scene, view.visible_fractions, 100);
+  clutter.tested = count.tested;
+  clutter.graspable = count.graspable;
+  return clutter;
 }
 
 TEST(MeasureClutter, ASingleCubeIsVisibleAndGraspable) {
@@ -51,6 +57,25 @@ TEST(MeasureClutter, AHiddenCubeIsNotCounted) {
       ClutterOf({{0, 0, 0.5}, {0, 0, 1.5}, {1, 0, 0.5}, {-1, 0, 0.5}, {0, 1, 0.5}, {0, -1, 0.5}});
   EXPECT_EQ(clutter.counted, 5);
   EXPECT_EQ(clutter.layers, (std::vector<int>{5, 1}));
+}
+
+TEST(CountGraspable, TestsNoInstanceForAPlannerWithoutPoses) {
+  ScenarioSpec spec = CubeScenario(1);
+  spec.planner.name = "cloud_antipodal";
+  const TrialSetup setup(spec, EasyCube(), {}, {});
+  const Scene scene{setup.cell.bin(), {{InstanceId(0), ObjectId(0), Translation({0, 0, 0.02})}}};
+  const std::vector<double> visible{1};
+  EXPECT_EQ(CountGraspable(setup, scene, visible, 100).tested, 0);
+}
+
+TEST(ClutterText, NamesNoGraspableInstancesWithoutATest) {
+  ClutterSummary summary;
+  summary.bins = 1;
+  summary.in_view.resize(InViewNames().size());
+  summary.counted = 7;
+  const std::string text = ClutterText(summary, "jaw_8cm");
+  EXPECT_NE(text.find("7 instances are at least 10 % visible\n"), std::string::npos) << text;
+  EXPECT_EQ(text.find("can be grasped"), std::string::npos);
 }
 
 TEST(ClutterJson, CountsEachWantedInstanceInOneBand) {

@@ -106,7 +106,14 @@ TEST_F(ObjectPool, OnlyWhatABinDrawsMustFitIntoIt) {
   const ObjectCatalog catalog({AssetsDir() / "objects"});
   const std::string many =
       "objects: [{name: carton, count: 900}]\nbin: {inner_size_m: [.4, .3, .1]}\n";
-  EXPECT_NO_THROW(LoadObjects(Expanded(many + "draw: 5\n"), catalog));
+  std::vector<std::pair<int, int>> progress;
+  const auto on_object = [&](int done, int total) { progress.emplace_back(done, total); };
+  const ScenarioSpec five = Expanded(many + "draw: 5\n");
+  EXPECT_NO_THROW(LoadObjects(five, catalog, on_object));
+  const int total = static_cast<int>(five.objects.size());
+  ASSERT_EQ(progress.size(), five.objects.size());
+  EXPECT_EQ(progress.front(), std::pair(1, total));
+  EXPECT_EQ(progress.back(), std::pair(total, total));
   EXPECT_THAT(ErrorOf([&] { LoadObjects(Expanded(many + "draw: 800\n"), catalog); }),
               HasSubstr("draw = 800: the largest instances"));
 }
