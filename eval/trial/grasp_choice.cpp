@@ -11,6 +11,10 @@
 namespace pickbed::eval {
 namespace {
 
+// So many failed grasps within this distance are taken as failures of one instance.
+constexpr double kSameInstance_m = 0.04;
+constexpr int kFailuresOfInstance = 2;
+
 PlanOptions RankedOptions(const TrialSetup& setup, uint64_t rng_seed) {
   PlanOptions plan;
   plan.ranking = setup.spec.policy.ranking;
@@ -181,7 +185,19 @@ std::vector<Grasp> GraspMemory::WithoutRepetitions(const std::vector<Grasp>& gra
     return fresh;
   };
   std::vector<Grasp> fresh = fresh_of(false);
-  return fresh.empty() ? fresh_of(true) : fresh;
+  if (fresh.empty()) fresh = fresh_of(true);
+  // Without poses, several failures at one place are of one instance. Other grasps may hold it, but
+  // other instances come first.
+  std::stable_partition(fresh.begin(), fresh.end(), [&](const Grasp& grasp) {
+    const auto fails_here = [&](const FailedGrasp& old) {
+      return old.object == kAnyObject &&
+             (old.position_W - grasp.X_WG.translation()).norm() < kSameInstance_m;
+    };
+    const bool is_pose_free = grasp.hypothesis == kNoHypothesis;
+    return !is_pose_free ||
+           std::count_if(failed_.begin(), failed_.end(), fails_here) < kFailuresOfInstance;
+  });
+  return fresh;
 }
 
 InstanceId MatchedInstance(const HypothesisRecord& hypothesis, double match_diameters) {

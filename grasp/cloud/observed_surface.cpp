@@ -34,15 +34,40 @@ class PixelSets {
   std::vector<int> parent_;
 };
 
+// Returns the depth without readings that have too few neighbors at nearly the same place. Single
+// readings of a steep face can be 20 mm off, and look like a thin face of their own.
+Image<float> WithoutOutliers(const RgbdFrame& frame, const SurfaceOptions& options) {
+  Image<float> kept = frame.depth_m;
+  if (options.min_neighbors == 0) return kept;
+  const auto place_C = [&](int u, int v) {
+    return BackProject(frame.intrinsics, u, v, frame.depth_m(u, v));
+  };
+  const int width = kept.width(), height = kept.height();
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      if (!IsReading(frame.depth_m(u, v))) continue;
+      int near = 0;
+      for (int y = std::max(0, v - 1); y <= std::min(height - 1, v + 1); ++y) {
+        for (int x = std::max(0, u - 1); x <= std::min(width - 1, u + 1); ++x) {
+          if ((x == u && y == v) || !IsReading(frame.depth_m(x, y))) continue;
+          near += (place_C(x, y) - place_C(u, v)).norm() <= options.step_m;
+        }
+      }
+      if (near < options.min_neighbors) kept(u, v) = 0;
+    }
+  }
+  return kept;
+}
+
 class SurfaceBuilder {
  public:
   SurfaceBuilder(const RgbdFrame& frame, const Pose& X_WC, const std::optional<BinPlacement>& bin,
                  const SurfaceOptions& options)
-      : frame_(frame),
-        options_(options),
+      : options_(options),
         width_(frame.depth_m.width()),
         height_(frame.depth_m.height()),
-        depth_m_(FilledDepth(frame.depth_m)) {
+        measured_m_(WithoutOutliers(frame, options)),
+        depth_m_(FilledDepth(measured_m_)) {
     const Pose X_BC = bin ? bin->X_WB.inverse() * X_WC : X_WC;
     points_B_.resize(depth_m_.size(), Vector3f::Constant(kNone));
     is_inside_.resize(depth_m_.size());
@@ -75,7 +100,7 @@ class SurfaceBuilder {
  private:
   static constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-  bool IsMeasured(int i) const { return IsReading(frame_.depth_m.data()[i]); }
+  bool IsMeasured(int i) const { return IsReading(measured_m_.data()[i]); }
 
   // Marks the measured pixels inside the bin that are not on its floor or walls.
   void MarkObjects(const std::optional<BinPlacement>& bin) {
@@ -207,9 +232,9 @@ class SurfaceBuilder {
     }
   }
 
-  const RgbdFrame& frame_;
   const SurfaceOptions& options_;
   const int width_, height_;
+  const Image<float> measured_m_;
   const Image<float> depth_m_;      // filled
   std::vector<Vector3f> points_B_;  // by pixel; NaN = none
   std::vector<uint8_t> is_inside_, is_object_;
@@ -232,6 +257,8 @@ void SurfaceOptions::Visit(SettingsVisitor& v) {
          "largest step over which a small segment is joined, m");
   v.Integer("min_segment_px", min_segment_px, {1, 100000}, "minimum size of a segment, px");
   v.Real("margin_m", margin_m, {0, 10}, "width of the seen border around the bin, m");
+  v.Integer("min_neighbors", min_neighbors, {0, 8},
+            "readings with fewer neighbors within step_m are left out as outliers");
 }
 
 ObservedSurface ObserveSurface(const RgbdFrame& frame, const Pose& X_WC,

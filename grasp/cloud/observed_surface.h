@@ -43,6 +43,8 @@ struct SurfaceOptions {
   double fragment_step_m = 0.015;
   int min_segment_px = 40;  // smaller segments are background
   double margin_m = 0.07;   // points this far beyond the walls are left out
+  // A reading with fewer of its eight neighbors within step_m is an outlier and counts as none.
+  int min_neighbors = 0;
   void Visit(SettingsVisitor& v);
 };
 

@@ -80,22 +80,31 @@ std::shared_ptr<const ObjectModel> ModelOf(const TriangleMesh& mesh_O, double de
 }
 
 // Returns the grasp candidates of an object whose frame O has the axes of the bin. Only approaches
-// from above are kept for a jaw, since each contact test takes time.
+// from above are kept for a jaw, since each contact test takes time: up to `max_tilt_rad`, and up
+// to `relaxed_tilt_rad` if there are fewer than `max_candidates`.
 std::vector<GraspCandidate> CandidatesOf(const ObjectModel& model, const Gripper& tool,
-                                         double max_tilt_rad, int max_candidates, Rng& rng,
+                                         double max_tilt_rad, double relaxed_tilt_rad,
+                                         int max_candidates, Rng& rng,
                                          const GraspCandidateOptions& options) {
   const auto* jaw = dynamic_cast<const ParallelJaw*>(&tool);
   if (jaw == nullptr) return MakeCandidates(model, tool, rng, options);
   const AntipodalOptions& antipodal = options.antipodal;
   std::vector<GraspCandidate> candidates =
       AntipodalGrasps(model, jaw->hand, jaw->clearance_m, rng, antipodal);
-  const double min_down = std::cos(max_tilt_rad);
-  std::erase_if(candidates, [&](const GraspCandidate& candidate) {
-    return -candidate.X_OG.linear()(2, 2) < min_down;
-  });
-  candidates =
-      SpreadOverDirections(std::move(candidates), max_candidates,
-                           [](const GraspCandidate&, const GraspCandidate&) { return false; });
+  const auto down = [](const GraspCandidate& candidate) { return -candidate.X_OG.linear()(2, 2); };
+  std::vector<GraspCandidate> steep, tilted;
+  for (const GraspCandidate& candidate : candidates) {
+    if (down(candidate) >= std::cos(max_tilt_rad)) {
+      steep.push_back(candidate);
+    } else if (down(candidate) >= std::cos(relaxed_tilt_rad)) {
+      tilted.push_back(candidate);
+    }
+  }
+  const auto none_same = [](const GraspCandidate&, const GraspCandidate&) { return false; };
+  candidates = SpreadOverDirections(std::move(steep), max_candidates, none_same);
+  const int left = max_candidates - static_cast<int>(candidates.size());
+  tilted = SpreadOverDirections(std::move(tilted), left, none_same);
+  candidates.insert(candidates.end(), tilted.begin(), tilted.end());
   if (candidates.empty()) return candidates;
   const SurfacePoints surface = SpreadPoints(model.mesh_O, antipodal.point_spacing_m,
                                              antipodal.min_points, antipodal.max_points, rng);
@@ -136,6 +145,7 @@ CompletedPlannerOptions::CompletedPlannerOptions() {
   candidates.suction.max_points = 1500;
   candidates.robust.samples = 1;
   candidates.robust.cone_edges = 4;
+  fallback.surface.min_neighbors = 3;
 }
 
 void CompletedPlannerOptions::Visit(SettingsVisitor& v) {
@@ -164,6 +174,9 @@ void CompletedPlannerOptions::Visit(SettingsVisitor& v) {
   v.Group(
       "candidates", [this](SettingsVisitor& g) { candidates.Visit(g); },
       "grasp candidates of an object");
+  v.Group(
+      "fallback", [this](SettingsVisitor& g) { fallback.Visit(g); },
+      "grasps on the observed surface");
 }
 
 CompletedPlanner::CompletedPlanner(const PlannerSetup& setup,
@@ -176,13 +189,21 @@ CompletedPlanner::CompletedPlanner(const PlannerSetup& setup,
   const bool has_jaws = std::all_of(setup.tools.begin(), setup.tools.end(), [](const auto& tool) {
     return dynamic_cast<const ParallelJaw*>(tool.get()) != nullptr;
   });
-  if (options_.has_fallback && has_jaws) fallback_ = std::make_unique<CloudAntipodal>(setup);
+  if (options_.has_fallback && has_jaws) {
+    fallback_ = std::make_unique<CloudAntipodal>(setup, options_.fallback);
+  }
+}
+
+double CompletedPlanner::MaxTilt_rad() const {
+  return setup_.spec.max_tilt_deg > 0 ? Radians(setup_.spec.max_tilt_deg)
+                                      : options_.plan.max_tilt_rad;
 }
 
 std::vector<CompletedPlanner::Completed> CompletedPlanner::MakeObjects(const PlannerInput& input,
                                                                        const Pose& X_BW) const {
   std::vector<Completed> completed;
   const double friction = setup_.spec.friction / PadFriction(setup_.tools);
+  const double max_tilt_rad = MaxTilt_rad();
   for (const OccupancyShape& given : setup_.shapes->Shapes(input, options_.max_shapes)) {
     OccupancyShape shape = given;
     for (int pass = 0; pass < options_.smoothing; ++pass) shape = Smoothed(shape);
@@ -198,7 +219,8 @@ std::vector<CompletedPlanner::Completed> CompletedPlanner::MakeObjects(const Pla
     object.pose = {ObjectId(static_cast<int>(completed.size()) - 1), X_BO, 1};
     Rng rng = Rng::Derive(input.seed, BinIndex(0), "grasp/completed");
     for (const auto& tool : setup_.tools) {
-      object.candidates.push_back(CandidatesOf(*model, *tool, options_.plan.relaxed.max_tilt_rad,
+      object.candidates.push_back(CandidatesOf(*model, *tool, max_tilt_rad,
+                                               options_.plan.relaxed.max_tilt_rad,
                                                options_.max_candidates, rng, options_.candidates));
     }
     object.possible_B = ShellOf(shape, options_.possible_level);
@@ -247,7 +269,7 @@ PlanResult CompletedPlanner::PlanOn(const std::vector<Completed>& completed,
   PlanOptions plan_options = options_.plan;
   plan_options.max_grasps = std::max(options_.tested_grasps, input.max_grasps);
   plan_options.seed = input.seed;
-  if (setup_.spec.max_tilt_deg > 0) plan_options.max_tilt_rad = Radians(setup_.spec.max_tilt_deg);
+  plan_options.max_tilt_rad = MaxTilt_rad();
   const HiddenSpace hidden(input.frame.depth_m, input.frame.intrinsics,
                            input.X_WC.inverse() * bin.X_WB, plan_options.hidden_behind_m);
   std::vector<PlanInput> inputs;

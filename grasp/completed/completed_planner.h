@@ -44,6 +44,7 @@ struct CompletedPlannerOptions {
   int tested_grasps = 300;      // planned grasps that are tested against possible matter
   PlanOptions plan = {};        // max_grasps, seed and max_tilt_rad are set by each call
   GraspCandidateOptions candidates = {};  // set to fewer samples by the constructor
+  CloudAntipodalOptions fallback = {};    // its surface has no outliers, see the constructor
   CompletedPlannerOptions();
   void Visit(SettingsVisitor& v);
 };
@@ -60,6 +61,7 @@ class CompletedPlanner : public Planner {
 
  private:
   struct Completed;
+  double MaxTilt_rad() const;  // of an approach from straight down, in the first pass
   std::vector<Completed> MakeObjects(const PlannerInput& input, const Pose& X_BW) const;
   PlanResult PlanOn(const std::vector<Completed>& objects, const PlannerInput& input,
                     const BinPlacement& bin) const;

@@ -189,5 +189,25 @@ TEST(PoseFreeTrial, FailedGraspIsNotRepeatedNearItsPlace) {
       << "the way may be clear after a pick";
 }
 
+TEST(PoseFreeTrial, AnInstanceThatFailsTwiceComesAfterOthers) {
+  const auto at = [](double x_m) {
+    Grasp grasp;
+    grasp.hypothesis = kNoHypothesis;
+    grasp.X_WG = Translation({x_m, 0, 0.02});
+    return grasp;
+  };
+  const std::vector<Grasp> planned{at(0.03), at(0.1), at(0.2)};
+  const TrialOptions options;
+  GraspMemory memory;
+  memory.Remember(at(0), nullptr, {});
+  EXPECT_EQ(memory.WithoutRepetitions(planned, {}, options)[0].X_WG.translation().x(), 0.03);
+  memory.Remember(at(0.06), nullptr, {});
+  const std::vector<Grasp> fresh = memory.WithoutRepetitions(planned, {}, options);
+  ASSERT_EQ(fresh.size(), 3u);
+  EXPECT_EQ(fresh[0].X_WG.translation().x(), 0.1);
+  EXPECT_EQ(fresh[1].X_WG.translation().x(), 0.2);
+  EXPECT_EQ(fresh[2].X_WG.translation().x(), 0.03);
+}
+
 }  // namespace
 }  // namespace pickbed::tests

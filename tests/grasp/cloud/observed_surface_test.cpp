@@ -30,6 +30,37 @@ TEST(ObservedSurface, ApartObjectsAreSegmentsAndTheBinIsBackground) {
   }
 }
 
+// Single readings before a face would look like needles of the object.
+TEST(ObservedSurface, OutliersAreNotMeasuredIfNeighborsAreRequired) {
+  CloudScene scene;
+  scene.AddBox({0.08, 0.08, 0.03}, OnFloor(0, 0, 0.03, 0));
+  RgbdFrame frame = scene.frame();
+  const CameraIntrinsics& k = frame.intrinsics;
+  const Eigen::Vector3d top_C = scene.camera().X_CW() * Eigen::Vector3d(0, 0, 0.03);
+  const int u = static_cast<int>(k.fx() * top_C.x() / top_C.z() + k.cx());
+  const int v = static_cast<int>(k.fy() * top_C.y() / top_C.z() + k.cy());
+  frame.depth_m(u, v) -= 0.012f;
+  const auto highest_m = [&](const RgbdFrame& seen, int min_neighbors) {
+    SurfaceOptions options;
+    options.min_neighbors = min_neighbors;
+    const ObservedSurface surface = ObserveSurface(
+        seen, scene.camera().X_WC(), BinPlacement{scene.bin(), Pose::Identity()}, options);
+    double top_m = 0;
+    for (const SurfacePoint& point : surface.points) {
+      if (point.segment >= 0) top_m = std::max<double>(top_m, point.p_B.z());
+    }
+    return top_m;
+  };
+  EXPECT_GT(highest_m(frame, 0), 0.036);
+  EXPECT_LT(highest_m(frame, 3), 0.031);
+  // A face keeps its points.
+  SurfaceOptions strict;
+  strict.min_neighbors = 3;
+  const auto exact = ObserveSurface(scene.frame(), scene.camera().X_WC(),
+                                    BinPlacement{scene.bin(), Pose::Identity()}, strict);
+  EXPECT_GT(exact.points.size(), 0.95 * SurfaceOf(scene, scene.frame()).points.size());
+}
+
 // The border of the unknown space runs from the top edge to the floor along the viewing ray.
 TEST(ObservedSurface, ShadowRunsAlongTheViewingRays) {
   CloudScene scene({0, -0.4, 0.5});
