@@ -16,7 +16,7 @@ set(may_include_eval eval grasp perception sim scenes)
 # is below all of them.
 set(floors_scenes "base | image | geometry | camera mesh_io shape_families | bin objects | scenario part_families plugin .")
 set(floors_sim "physics convex render sensor | hands drop | .")
-set(floors_perception ". cloud | features model segments | crops verify voting | icp networks | completion | candidates | training segment_poses"
+set(floors_perception ". cloud | features model segments | crops verify voting | icp networks | completion_networks | completion | candidates | training segment_poses"
   " | crop_methods | estimators")
 set(floors_grasp ". place | candidates execute | grippers plan | tolerance cloud | completed | planners")
 set(floors_eval "stats | metrics | page | cell shapes frames | trial runtime draw | segments store tolerance explain export | summary bop"
@@ -27,7 +27,7 @@ set(floors_eval "stats | metrics | page | cell shapes frames | trial runtime dra
 set(third_party
   "btBullet|BulletCollision|BulletDynamics|LinearMath=>^sim/(physics|hands|convex)/[a-z_]+\\.(cpp|h)$"
   "GL/|EGL/|KHR/=>^sim/render/[a-z_]+\\.(cpp|h)$"
-  "torch/|ATen/|c10/=>^perception/(networks|training|completion)/[a-z_]+\\.(cpp|h)$"
+  "torch/|ATen/|c10/=>^perception/(networks|training|completion|completion_networks)/[a-z_]+\\.(cpp|h)$"
   "pcl/=>^perception/(icp/pcl_icp|cloud/normals)\\.cpp$"
   "flann/=>^(perception/features/neighbors|eval/metrics/vertex_tree)\\.cpp$"
   "lz4=>^perception/[a-z_]+/[a-z_]+\\.cpp$"

@@ -133,22 +133,6 @@ TableCells PrecisionTable(const Recognition& recognition) {
   return table;
 }
 
-std::string PlainText(const TableCells& table) {
-  std::vector<size_t> widths;
-  for (const auto& row : table) {
-    widths.resize(std::max(widths.size(), row.size()));
-    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  }
-  std::string text;
-  for (const auto& row : table) {
-    std::string line;
-    for (size_t i = 0; i < row.size(); ++i) line += fmt::format("{:<{}}  ", row[i], widths[i]);
-    line.erase(line.find_last_not_of(' ') + 1);
-    text += line + "\n";
-  }
-  return text;
-}
-
 // Estimates one round of bins of a scenario.
 std::vector<ComparedRow> ComparedRound(const RecognitionOptions& options, const std::string& name,
                                        int first, int bins,
@@ -227,7 +211,7 @@ RecognitionChange PrecisionChange(const Recognition& recognition, const std::str
 }
 
 std::string RecognitionText(const Recognition& recognition) {
-  return PlainText(RecallTable(recognition)) + "\n" + PlainText(PrecisionTable(recognition));
+  return AlignedText(RecallTable(recognition)) + "\n" + AlignedText(PrecisionTable(recognition));
 }
 
 ResultColumns RecognitionColumns() {

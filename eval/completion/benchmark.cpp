@@ -8,6 +8,7 @@
 
 #include "eval/completion/sensors.h"
 #include "eval/completion/test_shapes.h"
+#include "perception/completion/completion_file.h"
 #include "scenes/base/error.h"
 #include "scenes/base/random.h"
 
@@ -69,7 +70,37 @@ RandomView DrawTestView(const TestShape& shape, const std::vector<DepthSensor>& 
   }
 }
 
+// An unknown method has no row; MakeCompleter() refuses it.
+std::string ModelFor(const std::string& method, const std::vector<std::string>& models) {
+  for (const CompleterRow& row : CompleterTable()) {
+    if (row.name != method || row.kind == nullptr) continue;
+    const std::string model = ModelOfKind(models, row.kind);
+    CheckInput(!model.empty(), fmt::format("method {} needs a model of kind {}, and there is none "
+                                           "in {}; train one with `pickbed train completion --set "
+                                           "network.kind={}`",
+                                           method, row.kind, fmt::join(models, ", "), row.kind));
+    return model;
+  }
+  return {};
+}
+
 }  // namespace
+
+std::string ModelOfKind(const std::vector<std::string>& models, const std::string& kind) {
+  for (const std::string& model : models) {
+    const auto file = perception::CompletionModelFile(model);
+    if (perception::LoadCompletionModel(file).info.network.kind == kind) return model;
+  }
+  return {};
+}
+
+std::vector<std::string> MethodsWith(const std::vector<std::string>& models) {
+  std::vector<std::string> methods;
+  for (const CompleterRow& row : CompleterTable()) {
+    if (row.kind == nullptr || !ModelOfKind(models, row.kind).empty()) methods.push_back(row.name);
+  }
+  return methods;
+}
 
 CompletionBenchmark RunCompletionBenchmark(
     const CompletionBenchmarkOptions& options,
@@ -85,7 +116,7 @@ CompletionBenchmark RunCompletionBenchmark(
   for (const std::string& method : options.methods) {
     CompletionOptions own;
     own.method = method;
-    own.model = options.model;
+    own.model = ModelFor(method, options.models);
     own.cells = options.cells;
     completers.push_back(MakeCompleter(own));
   }

@@ -17,10 +17,11 @@
 namespace pickbed::eval {
 
 struct CompletionBenchmarkOptions {
-  std::vector<std::string> methods;         // rows of CompleterTable()
-  std::vector<std::string> sets;            // of TestSetNames()
-  std::filesystem::path data_folder;        // with folders ycb and industrial of meshes
-  std::string model = "completion";         // of method network
+  std::vector<std::string> methods;   // rows of CompleterTable()
+  std::vector<std::string> sets;      // of TestSetNames()
+  std::filesystem::path data_folder;  // with folders ycb and industrial of meshes
+  // Model files or names in assets/models. A method uses the first of its kind.
+  std::vector<std::string> models{"completion"};
   std::string sensor = "structured_light";  // profile of the test views
   double min_diameter_px = 60;              // of the shapes in the images
   double level = 0.5;                       // probability above which a cell is full
@@ -45,6 +46,13 @@ struct CompletionBenchmark {
   std::vector<CompletionRow> rows;
   std::map<std::string, std::vector<CompletionTile>> gallery;  // first method, by set
 };
+
+// Returns the first model of this kind (perception::CompletionKinds()), or an empty name. Throws
+// InputError for a file that is missing or damaged.
+std::string ModelOfKind(const std::vector<std::string>& models, const std::string& kind);
+
+// Returns the methods that need no model, or for which there is one.
+std::vector<std::string> MethodsWith(const std::vector<std::string>& models);
 
 // Runs the benchmark. `on_progress` gets the number of shapes done and of all; false stops it.
 // Throws InputError for unknown and repeated names, without any test shape, and for a model or a

@@ -181,6 +181,22 @@ std::string TableHtml(const TableCells& cells) {
   return html + "</table></div>\n";
 }
 
+std::string AlignedText(const TableCells& table) {
+  std::vector<size_t> widths;
+  for (const auto& row : table) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  std::string text;
+  for (const auto& row : table) {
+    std::string line;
+    for (size_t i = 0; i < row.size(); ++i) line += fmt::format("{:<{}}  ", row[i], widths[i]);
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  return text;
+}
+
 std::string ChartHtml(const ReportChart& chart) {
   std::string html = fmt::format("<figure class=\"chart\" data-chart=\"{}\"><h3>{}</h3>\n",
                                  chart.id, EscapeHtml(chart.title));

@@ -44,6 +44,8 @@ std::string Base64(const std::string& bytes);
 // Returns the table in a box that scrolls if the screen is narrow. Cells with a number are
 // right-aligned, except in the first column.
 std::string TableHtml(const TableCells& cells);
+// Returns the table as text with aligned columns, for the console.
+std::string AlignedText(const TableCells& table);
 // Returns the chart with its caption and a collapsed table of its numbers.
 std::string ChartHtml(const ReportChart& chart);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "eval/benchmark/bins.h"
+#include "eval/benchmark/completed_grasps.h"
 #include "eval/benchmark/crops_report.h"
 #include "eval/benchmark/recognition.h"
 #include "eval/bop/layout.h"
@@ -235,7 +236,11 @@ ResultPage CompletionPage() {
              RecognitionColumns()),
          Csv(kRecognitionBinsFile,
              "recognition tables: one line per bin, method and visible fraction",
-             RecognitionBinsColumns())}}}};
+             RecognitionBinsColumns()),
+         Csv(kCompletedGraspsFile, "grasp tables: one line per condition and planner",
+             CompletedGraspsColumns()),
+         Csv(kCompletedGraspsShapesFile, "grasp tables: one line per condition, planner and shape",
+             CompletedGraspsShapesColumns())}}}};
 }
 
 ResultFolder DatasetFolder() {

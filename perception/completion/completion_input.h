@@ -18,13 +18,11 @@
 #include <vector>
 
 #include "perception/completion/segment_view.h"
+#include "perception/completion_networks/network_options.h"
 
 namespace pickbed::perception {
 
 inline constexpr float kSidePerExtent = 1.35f;
-inline constexpr int kInputCells = 32;    // along each axis
-inline constexpr int kInputChannels = 4;  // signed distance, seen surface, known empty, no data
-inline constexpr int kPointFacts = 10;
 
 // A cube with the axes of the camera.
 struct CompletionCube {

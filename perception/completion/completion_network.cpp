@@ -1,112 +1,30 @@
 #include "perception/completion/completion_network.h"
 
 #include <torch/cuda.h>
-#include <torch/nn/functional/vision.h>
-#include <torch/nn/modules/batchnorm.h>
-#include <torch/nn/modules/conv.h>
-#include <torch/nn/modules/linear.h>
 #include <torch/optim/adam.h>
 #include <torch/types.h>
 #include <torch/utils.h>
 
 #include <algorithm>
 
+#include "perception/completion_networks/completion_net.h"
 #include "perception/networks/torch_runtime.h"
 #include "scenes/base/error.h"
+#include "scenes/base/random.h"
 
 namespace pickbed::perception {
 namespace {
 
-constexpr int64_t kHalf = kInputCells / 2;
-constexpr int64_t kFirstChannels = 8 * kInputChannels;
 // Points decoded at once.
 constexpr int64_t kChunk = 8192;
 // Views encoded at once.
 constexpr int64_t kViews = 16;
 
-// Convolution, batch normalization, ReLU.
-struct Block : torch::nn::Module {
-  Block(int64_t in, int64_t out, int64_t kernel, int64_t stride) {
-    convolution =
-        register_module("convolution", torch::nn::Conv3d(torch::nn::Conv3dOptions(in, out, kernel)
-                                                             .stride(stride)
-                                                             .padding(kernel / 2)
-                                                             .bias(false)));
-    norm = register_module("norm", torch::nn::BatchNorm3d(out));
-  }
-  at::Tensor forward(const at::Tensor& x) { return torch::relu(norm(convolution(x))); }
-  torch::nn::Conv3d convolution{nullptr};
-  torch::nn::BatchNorm3d norm{nullptr};
-};
-
-at::Tensor DoubledSize(const at::Tensor& x) {
-  return x.repeat_interleave(2, 2).repeat_interleave(2, 3).repeat_interleave(2, 4);
-}
-
-struct Net : torch::nn::Module {
-  explicit Net(const CompletionNetworkOptions& o) {
-    const auto add = [&](const char* name, int64_t in, int64_t out, int64_t kernel,
-                         int64_t stride) {
-      return register_module(name, std::make_shared<Block>(in, out, kernel, stride));
-    };
-    first = add("first", kFirstChannels, o.width_16, 1, 1);
-    second = add("second", o.width_16, o.width_16, 3, 1);
-    down_8 = add("down_8", o.width_16, o.width_8, 3, 2);
-    at_8 = add("at_8", o.width_8, o.width_8, 3, 1);
-    down_4 = add("down_4", o.width_8, o.width_4, 3, 2);
-    at_4 = add("at_4", o.width_4, o.width_4, 3, 1);
-    const int64_t flat = 64 * static_cast<int64_t>(o.width_4);
-    squeeze = register_module("squeeze", torch::nn::Linear(flat, o.bottleneck));
-    expand = register_module("expand", torch::nn::Linear(o.bottleneck, flat));
-    up_8 = add("up_8", o.width_4 + o.width_8, o.width_8, 3, 1);
-    up_16 = add("up_16", o.width_8 + o.width_16, o.width_16, 3, 1);
-    hidden_1 = register_module("hidden_1", torch::nn::Linear(o.width_16 + kQueryValues, o.hidden));
-    hidden_2 = register_module("hidden_2", torch::nn::Linear(o.hidden, o.hidden));
-    last = register_module("last", torch::nn::Linear(o.hidden, 1));
-  }
-
-  // `channels` is n x kInputChannels x 32^3; returns n x width_16 x 16^3.
-  at::Tensor Encode(const at::Tensor& channels) {
-    const int64_t n = channels.size(0);
-    const at::Tensor x = channels.view({n, kInputChannels, kHalf, 2, kHalf, 2, kHalf, 2})
-                             .permute({0, 1, 3, 5, 7, 2, 4, 6})
-                             .reshape({n, kFirstChannels, kHalf, kHalf, kHalf});
-    const at::Tensor x_16 = second->forward(first->forward(x));
-    const at::Tensor x_8 = at_8->forward(down_8->forward(x_16));
-    at::Tensor x_4 = at_4->forward(down_4->forward(x_8));
-    x_4 = x_4 + expand(torch::relu(squeeze(x_4.flatten(1)))).view(x_4.sizes());
-    const at::Tensor y_8 = up_8->forward(torch::cat({DoubledSize(x_4), x_8}, 1));
-    return up_16->forward(torch::cat({DoubledSize(y_8), x_16}, 1));
-  }
-
-  // `queries` is n x points x kQueryValues; returns logits, n x points.
-  at::Tensor Decode(const at::Tensor& features, const at::Tensor& queries) {
-    namespace F = torch::nn::functional;
-    const int64_t n = queries.size(0), points = queries.size(1);
-    const at::Tensor places = queries.slice(2, 0, 3).view({n, points, 1, 1, 3});
-    const at::Tensor sampled = F::grid_sample(features, places,
-                                              F::GridSampleFuncOptions()
-                                                  .mode(torch::kBilinear)
-                                                  .padding_mode(torch::kBorder)
-                                                  .align_corners(false))
-                                   .view({n, features.size(1), points})
-                                   .transpose(1, 2);
-    at::Tensor x = torch::cat({sampled, queries}, 2);
-    x = torch::relu(hidden_1(x));
-    x = torch::relu(hidden_2(x));
-    return last(x).squeeze(2);
-  }
-
-  std::shared_ptr<Block> first, second, down_8, at_8, down_4, at_4, up_8, up_16;
-  torch::nn::Linear squeeze{nullptr}, expand{nullptr};
-  torch::nn::Linear hidden_1{nullptr}, hidden_2{nullptr}, last{nullptr};
-};
-
 at::Tensor ChannelTensor(const std::vector<int8_t>& channels, int64_t count,
                          const torch::Device& device) {
+  const int64_t each = static_cast<int64_t>(channels.size()) / (count * kInputVolume);
   return torch::from_blob(const_cast<int8_t*>(channels.data()),
-                          {count, kInputChannels, kInputCells, kInputCells, kInputCells},
-                          torch::kChar)
+                          {count, each, kInputCells, kInputCells, kInputCells}, torch::kChar)
       .to(device)
       .to(torch::kFloat)
       .mul_(1.0 / 127.0);
@@ -115,6 +33,14 @@ at::Tensor ChannelTensor(const std::vector<int8_t>& channels, int64_t count,
 at::Tensor FloatTensor(const float* values, at::IntArrayRef shape, const torch::Device& device) {
   return torch::from_blob(const_cast<float*>(values), shape, torch::kFloat)
       .to(device, false, /*copy=*/true);
+}
+
+const CompletionNetRow& RowOf(const CompletionNetworkOptions& options) {
+  for (const CompletionNetRow& row : CompletionNetTable()) {
+    if (row.name == options.kind) return row;
+  }
+  throw InputError(
+      UnknownNameMessage("kind of completion network", options.kind, CompletionKinds()));
 }
 
 torch::Device DeviceNamed(const std::string& name) {
@@ -130,8 +56,8 @@ constexpr int kOrder[kCubeTurns] = {0, 3, 5, 6, 1, 2, 4, 7};
 
 // Mean probabilities of the points over the turned copies of a view. `features` has one row for
 // each copy.
-std::vector<float> Decoded(Net& net, const at::Tensor& features, const NetworkQuery& query,
-                           int turns, const torch::Device& device) {
+std::vector<float> Decoded(CompletionNet& net, const at::Tensor& features,
+                           const NetworkQuery& query, int turns, const torch::Device& device) {
   std::vector<float> probabilities, queries;
   probabilities.reserve(query.points_C.size());
   for (size_t first = 0; first < query.points_C.size(); first += kChunk) {
@@ -158,14 +84,6 @@ std::vector<float> Decoded(Net& net, const at::Tensor& features, const NetworkQu
 
 }  // namespace
 
-void CompletionNetworkOptions::Visit(SettingsVisitor& v) {
-  v.Integer("width_16", width_16, {4, 256}, "channels of the layers with 16^3 cells");
-  v.Integer("width_8", width_8, {4, 256}, "channels of the layers with 8^3 cells");
-  v.Integer("width_4", width_4, {4, 256}, "channels of the layers with 4^3 cells");
-  v.Integer("bottleneck", bottleneck, {4, 4096}, "values that describe the whole cube");
-  v.Integer("hidden", hidden, {4, 1024}, "units of each hidden layer of the decoder");
-}
-
 struct CompletionNetwork::Impl {
   Impl(const CompletionNetworkOptions& the_options, uint64_t seed, const std::string& name)
       : options(the_options),
@@ -173,10 +91,10 @@ struct CompletionNetwork::Impl {
         net(Make(the_options, seed, device)),
         adam(net->parameters(), torch::optim::AdamOptions()) {}
   // Weights are drawn on the CPU, so that a seed gives the same weights on every device.
-  static std::shared_ptr<Net> Make(const CompletionNetworkOptions& options, uint64_t seed,
-                                   const torch::Device& device) {
+  static std::shared_ptr<CompletionNet> Make(const CompletionNetworkOptions& options, uint64_t seed,
+                                             const torch::Device& device) {
     torch::manual_seed(seed);
-    auto made = std::make_shared<Net>(options);
+    auto made = RowOf(options).make(options);
     made->to(device);
     made->eval();
     return made;
@@ -191,7 +109,7 @@ struct CompletionNetwork::Impl {
 
   CompletionNetworkOptions options;
   torch::Device device;
-  std::shared_ptr<Net> net;
+  std::shared_ptr<CompletionNet> net;
   torch::optim::Adam adam;
 };
 
@@ -204,6 +122,10 @@ CompletionNetwork::~CompletionNetwork() = default;
 CompletionNetwork::CompletionNetwork(CompletionNetwork&&) noexcept = default;
 CompletionNetwork& CompletionNetwork::operator=(CompletionNetwork&&) noexcept = default;
 
+bool CompletionNetwork::NeedsVolumes(const CompletionNetworkOptions& options) {
+  return RowOf(options).needs_volumes;
+}
+
 const CompletionNetworkOptions& CompletionNetwork::options() const { return impl_->options; }
 
 int64_t CompletionNetwork::WeightCount() const {
@@ -213,7 +135,7 @@ int64_t CompletionNetwork::WeightCount() const {
 }
 
 double CompletionNetwork::TrainStep(const CompletionBatch& batch, double learning_rate) {
-  Net& net = *impl_->net;
+  CompletionNet& net = *impl_->net;
   SetLearningRate(impl_->adam, learning_rate);
   impl_->adam.zero_grad();
   net.train();
@@ -222,8 +144,13 @@ double CompletionNetwork::TrainStep(const CompletionBatch& batch, double learnin
       FloatTensor(batch.queries.data(), {batch.count, batch.points, kQueryValues}, impl_->device);
   const at::Tensor inside =
       FloatTensor(batch.inside.data(), {batch.count, batch.points}, impl_->device);
-  const at::Tensor loss =
-      torch::binary_cross_entropy_with_logits(net.Decode(net.Encode(channels), queries), inside);
+  CompletionTensors step{channels, queries, inside, {}, 0};
+  if (RowOf(impl_->options).needs_volumes) {
+    step.volumes = ChannelTensor(batch.volumes, batch.count, impl_->device);
+    // Random numbers follow from the data, so that a resumed training draws the same ones.
+    step.seed = HashBytes(batch.queries.data(), batch.queries.size() * sizeof(float));
+  }
+  const at::Tensor loss = net.Loss(step);
   loss.backward();
   impl_->adam.step();
   net.eval();
@@ -232,7 +159,7 @@ double CompletionNetwork::TrainStep(const CompletionBatch& batch, double learnin
 
 std::vector<float> CompletionNetwork::Probabilities(const CompletionBatch& batch) const {
   const torch::NoGradGuard no_gradients;
-  Net& net = *impl_->net;
+  CompletionNet& net = *impl_->net;
   const at::Tensor features = net.Encode(ChannelTensor(batch.channels, batch.count, impl_->device));
   const at::Tensor queries =
       FloatTensor(batch.queries.data(), {batch.count, batch.points, kQueryValues}, impl_->device);
@@ -250,7 +177,7 @@ std::vector<float> CompletionNetwork::Probabilities(const CompletionInput& input
 std::vector<std::vector<float>> CompletionNetwork::Probabilities(
     std::span<const NetworkQuery> queries, int turns) const {
   const torch::NoGradGuard no_gradients;
-  Net& net = *impl_->net;
+  CompletionNet& net = *impl_->net;
   std::vector<std::vector<float>> probabilities;
   for (size_t first = 0; first < queries.size(); first += kViews) {
     const auto some = queries.subspan(first, std::min<size_t>(kViews, queries.size() - first));

@@ -1,11 +1,18 @@
 #pragma once
 
-// The completion network, without libtorch types: a 3D U-Net over the channels of CompletionInput,
-// and a perceptron that decodes the probability of single points (implicit decoder, as in Peng et
-// al., "Convolutional Occupancy Networks", ECCV 2020).
+// The completion network, without libtorch types. There are two kinds (completion_net.h).
+//
+// implicit: a 3D U-Net over the channels of CompletionInput, and a perceptron that decodes the
+// probability of single points (implicit decoder, as in Peng et al., "Convolutional Occupancy
+// Networks", ECCV 2020).
 //
 //   channels 4 x 32^3 -> space to depth 32 x 16^3 -> 16^3, 8^3, 4^3 (+ bottleneck) -> 8^3 -> 16^3
 //   feature at the point (trilinear), position, facts -> two hidden layers -> probability
+//
+// vae: a variational auto-encoder of 32^3 volumes of whole shapes (Kingma and Welling,
+// "Auto-Encoding Variational Bayes", ICLR 2014). A completion starts from the observed cells. It
+// then repeats rounds: reconstruct the volume, with a random sample of the code, and clamp the
+// observed cells to what was seen.
 //
 // On the CPU the result of a point does not depend on the number of threads.
 
@@ -15,21 +22,9 @@
 #include <vector>
 
 #include "perception/completion/completion_input.h"
-#include "scenes/base/settings.h"
+#include "perception/completion_networks/network_options.h"
 
 namespace pickbed::perception {
-
-struct CompletionNetworkOptions {
-  int width_16 = 16;     // channels at 16^3
-  int width_8 = 32;      // channels at 8^3
-  int width_4 = 64;      // channels at 4^3
-  int bottleneck = 128;  // values that describe the whole cube
-  int hidden = 64;       // units of each hidden layer of the decoder
-  void Visit(SettingsVisitor& v);
-};
-
-// Values of a query: position in the cube, -1 .. 1 along each axis, and facts.
-inline constexpr int kQueryValues = 3 + kPointFacts;
 
 // Input of one training step.
 struct CompletionBatch {
@@ -38,6 +33,8 @@ struct CompletionBatch {
   std::vector<int8_t> channels;  // count x CompletionInput::Channels()
   std::vector<float> queries;    // count x points x kQueryValues
   std::vector<float> inside;     // count x points, 1 = the point is inside the part
+  // count x kInputCells^3, 127 = the center of the cell is inside; empty if not needed
+  std::vector<int8_t> volumes;
 };
 
 // Points of a view (m, in C) whose probabilities are asked for.
@@ -56,11 +53,14 @@ class CompletionNetwork {
   CompletionNetwork(CompletionNetwork&&) noexcept;
   CompletionNetwork& operator=(CompletionNetwork&&) noexcept;
 
+  // Returns whether a network with these options needs CompletionBatch::volumes to train.
+  static bool NeedsVolumes(const CompletionNetworkOptions& options);
   const CompletionNetworkOptions& options() const;
   int64_t WeightCount() const;
 
-  // Makes one Adam step on the mean cross-entropy of all points and returns it as it was before
-  // the step.
+  // Makes one Adam step on the loss of the kind and returns the loss as it was before the step. It
+  // is the mean cross-entropy of all points (implicit), or of all cells plus the divergence of the
+  // code (vae).
   double TrainStep(const CompletionBatch& batch, double learning_rate);
 
   // Returns the probability of each query of a batch; `inside` is not used.

@@ -111,6 +111,7 @@ class CompletionTrainer {
     source_.views = options.views;
     source_.points = options.points;
     source_.views_per_shape = options.views_per_shape;
+    source_.volumes = CompletionNetwork::NeedsVolumes(options.network);
   }
 
   CompletionReport Run() {

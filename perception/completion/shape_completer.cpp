@@ -1,5 +1,7 @@
 #include "perception/completion/shape_completer.h"
 
+#include <fmt/format.h>
+
 #include "perception/completion/completion_file.h"
 #include "perception/completion/completion_input.h"
 #include "perception/completion/nearest_shape.h"
@@ -11,13 +13,24 @@ namespace pickbed::perception {
 namespace {
 
 constexpr int kNearestShapeViews = 2000;
+// Names of CompletionKinds().
+constexpr const char* kImplicitKind = "implicit";
+constexpr const char* kVaeKind = "vae";
 
 class NetworkCompleter : public ShapeCompleter {
  public:
-  explicit NetworkCompleter(const CompletionOptions& options)
+  // `kind` is the kind that the model must have.
+  NetworkCompleter(const CompletionOptions& options, const std::string& kind, int turns)
       : model_(LoadCompletionModel(CompletionModelFile(options.model))),
         cells_(options.cells),
-        turns_(options.turns) {}
+        turns_(turns) {
+    const std::string& own = model_.info.network.kind;
+    CheckInput(
+        own == kind,
+        fmt::format("{}: is a model of kind {}, but method {} needs kind {}; train one with "
+                    "`pickbed train completion --set network.kind={}`",
+                    CompletionModelFile(options.model).string(), own, options.method, kind, kind));
+  }
   CompletedVolume Complete(const SegmentView& view) override {
     return CompleteWithNetwork(model_.network, view, cells_, turns_);
   }
@@ -32,7 +45,13 @@ class NetworkCompleter : public ShapeCompleter {
 
 using Made = std::unique_ptr<ShapeCompleter>;
 
-Made MakeNetwork(const CompletionOptions& o) { return std::make_unique<NetworkCompleter>(o); }
+Made MakeNetwork(const CompletionOptions& o) {
+  return std::make_unique<NetworkCompleter>(o, kImplicitKind, o.turns);
+}
+// A view is aligned before it is encoded, so turned copies are equal.
+Made MakeVae(const CompletionOptions& o) {
+  return std::make_unique<NetworkCompleter>(o, kVaeKind, 1);
+}
 Made MakeLocalThickness(const CompletionOptions& o) {
   return MakeRuleCompleter(CompletionRule::kLocalThickness, o);
 }
@@ -73,7 +92,7 @@ std::vector<CompletedVolume> ShapeCompleter::CompleteAll(std::span<const Segment
 
 void CompletionOptions::Visit(SettingsVisitor& v) {
   v.Text("method", method, CompleterNames(), "method that completes the shape");
-  v.Text("model", model, {}, "model file of method network, or a name in assets/models");
+  v.Text("model", model, {}, "model file of methods network and vae, or a name in assets/models");
   v.Integer("cells", cells, {8, 256}, "cells along each axis of the completed cube");
   v.Integer("turns", turns, {1, kCubeTurns},
             "turned copies of the view whose probabilities method network averages");
@@ -82,7 +101,9 @@ void CompletionOptions::Visit(SettingsVisitor& v) {
 
 const std::vector<CompleterRow>& CompleterTable() {
   static const std::vector<CompleterRow> table{
-      {"network", "implicit decoder on a 3D U-Net, trained on sampled shapes", MakeNetwork},
+      {"network", "implicit decoder on a 3D U-Net, trained on sampled shapes", MakeNetwork,
+       kImplicitKind},
+      {"vae", "variational auto-encoder of volumes: reconstruct, sample, clamp", MakeVae, kVaeKind},
       {"local_thickness", "as deep as the widest circle in the silhouette", MakeLocalThickness},
       {"skirt", "a constant depth behind the seen surface", MakeSkirt},
       {"mirror", "the seen surface and its mirror image at its deepest point", MakeMirror},

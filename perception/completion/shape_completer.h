@@ -15,11 +15,12 @@
 namespace pickbed::perception {
 
 struct CompletionOptions {
-  std::string method = "network";    // a row of CompleterTable()
-  std::string model = "completion";  // model file, or name of a file in assets/models
-  int cells = 64;                    // along each axis of the cube
-  int turns = 3;                     // turned copies of the view that method network averages
-  double skirt_m = 0.015;            // depth of the skirt behind the seen surface
+  std::string method = "network";  // a row of CompleterTable()
+  // Model file of methods network and vae, or name of a file in assets/models.
+  std::string model = "completion";
+  int cells = 64;          // along each axis of the cube
+  int turns = 3;           // turned copies of the view that method network averages
+  double skirt_m = 0.015;  // depth of the skirt behind the seen surface
   void Visit(SettingsVisitor& v);
 };
 
@@ -37,6 +38,7 @@ struct CompleterRow {
   std::string name;
   std::string help;
   std::unique_ptr<ShapeCompleter> (*make)(const CompletionOptions& options);
+  const char* kind = nullptr;  // of its model, see CompletionKinds(); null = it needs no model
 };
 
 // Returns all methods.

@@ -10,10 +10,29 @@ namespace {
 // cube is almost all empty has points that are known to be empty.
 constexpr int kMaxDraws = 30;
 
+// Returns 127 for the cells whose center is inside, x fastest.
+std::vector<int8_t> VolumeOf(const ViewedSolid& solid, const CompletionCube& cube,
+                             const Eigen::Isometry3f& X_OC) {
+  constexpr int n = kInputCells;
+  std::vector<Eigen::Vector3f> centers_O;
+  centers_O.reserve(kInputVolume);
+  for (int i = 0; i < kInputVolume; ++i) {
+    const Eigen::Vector3f cell(static_cast<float>(i % n), static_cast<float>(i / n % n),
+                               static_cast<float>(i / (n * n)));
+    const Eigen::Vector3f share = (cell + Eigen::Vector3f::Constant(0.5f)) / n;
+    centers_O.push_back(X_OC * (cube.origin_C + cube.side_m * share));
+  }
+  std::vector<uint8_t> inside(centers_O.size());
+  solid.Inside(centers_O, inside);
+  std::vector<int8_t> volume(inside.size());
+  for (size_t i = 0; i < inside.size(); ++i) volume[i] = inside[i] ? 127 : 0;
+  return volume;
+}
+
 }  // namespace
 
-CompletionSample MakeSample(const ViewedSolid& solid, const RandomView& drawn, int points,
-                            Rng& rng) {
+CompletionSample MakeSample(const ViewedSolid& solid, const RandomView& drawn, int points, Rng& rng,
+                            bool with_volume) {
   const CompletionInput input(drawn.view);
   const CompletionCube& cube = input.cube();
   CompletionSample sample;
@@ -31,6 +50,7 @@ CompletionSample MakeSample(const ViewedSolid& solid, const RandomView& drawn, i
   }
   sample.inside.resize(points);
   solid.Inside(points_O, sample.inside);
+  if (with_volume) sample.volume = VolumeOf(solid, cube, X_OC);
   return sample;
 }
 
@@ -43,6 +63,10 @@ void AppendTurned(const CompletionSample& sample, int turn, CompletionBatch& bat
     TurnPlace(turn, batch.queries.data() + i);
   }
   batch.inside.insert(batch.inside.end(), sample.inside.begin(), sample.inside.end());
+  if (!sample.volume.empty()) {
+    const std::vector<int8_t> volume = TurnedChannels(sample.volume, turn);
+    batch.volumes.insert(batch.volumes.end(), volume.begin(), volume.end());
+  }
   batch.points = static_cast<int>(sample.inside.size());
   ++batch.count;
 }
@@ -67,7 +91,7 @@ std::vector<CompletionSample> DrawGroup(const CompletionSource& source, uint64_t
   std::vector<CompletionSample> samples;
   for (int i = 0; i < source.views_per_shape; ++i) {
     const RandomView drawn = DrawView(*solid, source.sensors, source.views, rng);
-    samples.push_back(MakeSample(*solid, drawn, source.points, rng));
+    samples.push_back(MakeSample(*solid, drawn, source.points, rng, source.volumes));
   }
   return samples;
 }

@@ -18,11 +18,12 @@ struct CompletionSample {
   std::vector<int8_t> channels;  // CompletionInput::Channels()
   std::vector<float> queries;    // points x kQueryValues
   std::vector<uint8_t> inside;   // points, 1 = inside the solid
+  std::vector<int8_t> volume;    // kInputCells^3, 127 = inside; empty if not wanted
 };
 
 // Makes a sample with this number of uniform points of the cube that are not known to be empty.
-CompletionSample MakeSample(const ViewedSolid& solid, const RandomView& drawn, int points,
-                            Rng& rng);
+CompletionSample MakeSample(const ViewedSolid& solid, const RandomView& drawn, int points, Rng& rng,
+                            bool with_volume = false);
 
 // Appends a sample to a batch, turned (see completion_input.h).
 void AppendTurned(const CompletionSample& sample, int turn, CompletionBatch& batch);
@@ -38,6 +39,7 @@ struct CompletionSource {
   RandomViewOptions views;
   int points = 2048;        // for each sample
   int views_per_shape = 4;  // samples of a group
+  bool volumes = false;     // whether samples have volumes
 };
 
 // Draws a shape and its samples. The result depends only on the arguments.

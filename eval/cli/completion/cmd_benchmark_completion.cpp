@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/benchmark/completed_grasps.h"
 #include "eval/benchmark/recognition.h"
 #include "eval/cli/arguments.h"
 #include "eval/cli/completion/commands.h"
@@ -21,10 +22,12 @@ namespace {
 
 constexpr const char* kShapesTables = "shapes";
 constexpr const char* kRecognitionTables = "recognition";
+constexpr const char* kGraspTables = "grasp";
 
 struct BenchmarkRequest {
   CompletionBenchmarkOptions shapes;
   RecognitionOptions recognition;
+  CompletedGraspsOptions grasps;
   std::vector<std::string> tables{kShapesTables};
   std::string out;
 
@@ -72,6 +75,18 @@ int RunBenchmark(const BenchmarkRequest& request) {
     WriteFileAtomically(folder / kRecognitionBinsFile, RecognitionBinsCsv(recognition));
     AddRecognition(recognition, page);
   }
+  if (request.Has(kGraspTables) && !Interrupted()) {
+    CompletedGrasps grasps;
+    {
+      ProgressLine progress;
+      grasps = RunCompletedGrasps(request.grasps, Shown(progress, "trial"));
+    }
+    // An interrupted comparison is valid for the trials so far.
+    fmt::print("{}", CompletedGraspsText(grasps));
+    WriteFileAtomically(folder / kCompletedGraspsFile, CompletedGraspsCsv(grasps));
+    WriteFileAtomically(folder / kCompletedGraspsShapesFile, CompletedGraspsShapesCsv(grasps));
+    AddCompletedGrasps(grasps, page);
+  }
   const bool has_page = SayIfUnwritten(WritePage(folder / kIndexPage, page));
   fmt::print("wrote {}\n", (has_page ? folder / kIndexPage : folder).string());
   return Interrupted() ? kExitInterrupted : 0;
@@ -83,7 +98,7 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
   CLI::App app(
       "Completes views of test shapes with all methods: IoU, surface distances, calibration and "
       "time, for seen and unseen shapes, clean and occluded. Measures what completion is worth "
-      "for the recognition of known objects.",
+      "for the recognition of known objects and for grasps of unknown ones.",
       "pickbed benchmark completion");
   BenchmarkRequest request;
   CompletionBenchmarkOptions& options = request.shapes;
@@ -92,12 +107,14 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
   bool small = false;
   app.add_option("--tables", request.tables,
                  "tables to make, separated by commas: shapes (accuracy of completed shapes), "
-                 "recognition (of known objects with and without completion)")
+                 "recognition (of known objects with and without completion), grasp (picks of "
+                 "unknown objects)")
       ->delimiter(',')
-      ->check(CLI::IsMember({kShapesTables, kRecognitionTables}))
+      ->check(CLI::IsMember({kShapesTables, kRecognitionTables, kGraspTables}))
       ->capture_default_str();
   app.add_option("--methods", options.methods,
-                 "methods, separated by commas; the first is compared with the others [all]")
+                 "methods, separated by commas; the first is compared with the others [all that "
+                 "have a model or need none]")
       ->delimiter(',');
   app.add_option("--sets", options.sets,
                  "test sets, separated by commas: seen, unseen_sizes, outside, unseen_families, "
@@ -106,7 +123,11 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
   app.add_option("--data", data,
                  "folder with the folders ycb and industrial of meshes; without it these sets are "
                  "skipped");
-  app.add_option("--model", options.model, "model file of method network")->capture_default_str();
+  app.add_option("--model", options.models,
+                 "model files of methods network and vae, separated by commas; each method uses "
+                 "the first of its kind")
+      ->delimiter(',')
+      ->capture_default_str();
   app.add_option("--sensor", options.sensor, "sensor profile of the views")->capture_default_str();
   app.add_option("--min-px", options.min_diameter_px,
                  "smallest diameter of a shape in the image, px")
@@ -144,6 +165,23 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--bin-seed", request.recognition.seed, "random seed of these bins")
       ->capture_default_str();
+  app.add_option("--planners", request.grasps.planners,
+                 "planners of the grasp tables, separated by commas; truth = completed with the "
+                 "true shapes; the first is the reference")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--grasp-scenario", request.grasps.scenario,
+                 "scenario with a pool of shapes for the grasp tables")
+      ->capture_default_str();
+  app.add_option("--single-drops", request.grasps.single,
+                 "drops of single shapes for the grasp tables")
+      ->check(CLI::Range(0, 100000))
+      ->capture_default_str();
+  app.add_option("--grasp-bins", request.grasps.bins, "bins of the grasp tables")
+      ->check(CLI::Range(0, 100000))
+      ->capture_default_str();
+  app.add_option("--grasp-seed", request.grasps.seed, "random seed of the grasp tables")
+      ->capture_default_str();
   app.add_option("--out", request.out, "results folder [results/completion]");
   app.footer("Example: pickbed benchmark completion --small --methods local_thickness,skirt");
   if (!ParseArguments(app, argc, argv)) return 0;
@@ -151,12 +189,10 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
     options.shapes = options.views = 1;
     options.cells = 32;
   }
-  if (options.methods.empty()) {
-    for (const CompleterRow& row : CompleterTable()) options.methods.push_back(row.name);
-  }
+  if (options.methods.empty()) options.methods = MethodsWith(options.models);
   if (options.sets.empty()) options.sets = TestSetNames();
   options.data_folder = data;
-  request.recognition.model = options.model;
+  request.recognition.model = options.models.front();
   return RunBenchmark(request);
 }
 

@@ -1,0 +1,74 @@
+#pragma once
+
+// What is shape completion worth for grasping unknown objects? Planners pick the same sampled
+// shapes in physics: each shape as the only one in the bin, and in bins of several. The unit of all
+// intervals is a shape.
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "eval/metrics/result_columns.h"
+#include "eval/page/html.h"
+#include "eval/shapes/segment_shapes.h"
+#include "eval/stats/statistics.h"
+#include "eval/trial/trial_records.h"
+
+namespace pickbed::eval {
+
+inline constexpr char kCompletedGraspsFile[] = "completion_grasps.csv";
+inline constexpr char kCompletedGraspsShapesFile[] = "completion_grasps_shapes.csv";
+
+struct CompletedGraspsOptions {
+  // Rows of the table: planners without poses, or kTrueShapes for the planner `completed` with the
+  // true shapes, which no completion can exceed. The first is the reference.
+  std::vector<std::string> planners{"completed", "skirt", "cloud_antipodal", kTrueShapes};
+  std::string scenario = "clutter_unseen";  // name or file; its bins draw from a pool of shapes
+  int single = 40;                          // drops of a single shape
+  int bins = 20;
+  uint64_t seed = 9300;
+};
+
+// Grasps of one shape by one planner.
+struct ShapeGrasps {
+  Cluster grasps;  // (succeeded, executed)
+  Cluster picked;  // (picked, dropped)
+};
+
+struct CompletedGrasps {
+  std::vector<std::string> planners;
+  // By condition ("single", "bins"), planner and shape.
+  std::map<std::string, std::map<std::string, std::map<std::string, ShapeGrasps>>> shapes;
+};
+inline constexpr const char* kGraspConditions[] = {"single", "bins"};
+
+// Adds the grasps of a trial. `names`: name of each object. A grasp belongs to the shape that came
+// or was nearest.
+void AddTrial(const TrialResult& trial, const std::vector<std::string>& names,
+              std::map<std::string, ShapeGrasps>& shapes);
+
+// `on_progress` gets the number of trials done and of all; false stops it, and the result has the
+// trials so far. Throws InputError for an unknown or repeated planner, a planner on poses, and a
+// scenario without a pool.
+CompletedGrasps RunCompletedGrasps(const CompletedGraspsOptions& options,
+                                   const std::function<bool(int done, int total)>& on_progress);
+
+// A rate of a planner over the shapes of a condition, and its difference to the reference.
+struct GraspRate {
+  ReportRate rate;
+  Interval difference;  // 95 %, paired by shape
+};
+// Returns the rate of `value`: ShapeGrasps::grasps or ShapeGrasps::picked.
+GraspRate GraspRateOf(const CompletedGrasps& grasps, const std::string& condition,
+                      const std::string& planner, Cluster ShapeGrasps::*value);
+
+std::string CompletedGraspsText(const CompletedGrasps& grasps);
+std::string CompletedGraspsCsv(const CompletedGrasps& grasps);
+ResultColumns CompletedGraspsColumns();
+std::string CompletedGraspsShapesCsv(const CompletedGrasps& grasps);
+ResultColumns CompletedGraspsShapesColumns();
+// Appends the table to a page.
+void AddCompletedGrasps(const CompletedGrasps& grasps, HtmlPage& page);
+
+}  // namespace pickbed::eval

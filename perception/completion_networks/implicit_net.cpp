@@ -1,0 +1,72 @@
+#include <torch/nn/modules/linear.h>
+
+#include "perception/completion_networks/completion_net.h"
+#include "perception/completion_networks/volume_blocks.h"
+
+namespace pickbed::perception {
+namespace {
+
+constexpr int64_t kHalf = kInputCells / 2;
+constexpr int64_t kFirstChannels = 8 * kInputChannels;
+
+struct ImplicitNet : CompletionNet {
+  explicit ImplicitNet(const CompletionNetworkOptions& o) {
+    const auto add = [&](const char* name, int64_t in, int64_t out, int64_t kernel,
+                         int64_t stride) {
+      return register_module(name, std::make_shared<VolumeBlock>(in, out, kernel, stride));
+    };
+    first = add("first", kFirstChannels, o.width_16, 1, 1);
+    second = add("second", o.width_16, o.width_16, 3, 1);
+    down_8 = add("down_8", o.width_16, o.width_8, 3, 2);
+    at_8 = add("at_8", o.width_8, o.width_8, 3, 1);
+    down_4 = add("down_4", o.width_8, o.width_4, 3, 2);
+    at_4 = add("at_4", o.width_4, o.width_4, 3, 1);
+    const int64_t flat = 64 * static_cast<int64_t>(o.width_4);
+    squeeze = register_module("squeeze", torch::nn::Linear(flat, o.bottleneck));
+    expand = register_module("expand", torch::nn::Linear(o.bottleneck, flat));
+    up_8 = add("up_8", o.width_4 + o.width_8, o.width_8, 3, 1);
+    up_16 = add("up_16", o.width_8 + o.width_16, o.width_16, 3, 1);
+    hidden_1 = register_module("hidden_1", torch::nn::Linear(o.width_16 + kQueryValues, o.hidden));
+    hidden_2 = register_module("hidden_2", torch::nn::Linear(o.hidden, o.hidden));
+    last = register_module("last", torch::nn::Linear(o.hidden, 1));
+  }
+
+  // The code has width_16 features in 16^3 cells.
+  at::Tensor Encode(const at::Tensor& channels) override {
+    const int64_t n = channels.size(0);
+    const at::Tensor x = channels.view({n, kInputChannels, kHalf, 2, kHalf, 2, kHalf, 2})
+                             .permute({0, 1, 3, 5, 7, 2, 4, 6})
+                             .reshape({n, kFirstChannels, kHalf, kHalf, kHalf});
+    const at::Tensor x_16 = second->forward(first->forward(x));
+    const at::Tensor x_8 = at_8->forward(down_8->forward(x_16));
+    at::Tensor x_4 = at_4->forward(down_4->forward(x_8));
+    x_4 = x_4 + expand(torch::relu(squeeze(x_4.flatten(1)))).view(x_4.sizes());
+    const at::Tensor y_8 = up_8->forward(torch::cat({DoubledSize(x_4), x_8}, 1));
+    return up_16->forward(torch::cat({DoubledSize(y_8), x_16}, 1));
+  }
+
+  at::Tensor Decode(const at::Tensor& code, const at::Tensor& queries) override {
+    at::Tensor x = torch::cat({SampledCode(code, queries), queries}, 2);
+    x = torch::relu(hidden_1(x));
+    x = torch::relu(hidden_2(x));
+    return last(x).squeeze(2);
+  }
+
+  // Mean cross-entropy of all queries.
+  at::Tensor Loss(const CompletionTensors& step) override {
+    return torch::binary_cross_entropy_with_logits(Decode(Encode(step.channels), step.queries),
+                                                   step.inside);
+  }
+
+  std::shared_ptr<VolumeBlock> first, second, down_8, at_8, down_4, at_4, up_8, up_16;
+  torch::nn::Linear squeeze{nullptr}, expand{nullptr};
+  torch::nn::Linear hidden_1{nullptr}, hidden_2{nullptr}, last{nullptr};
+};
+
+}  // namespace
+
+std::shared_ptr<CompletionNet> MakeImplicitNet(const CompletionNetworkOptions& options) {
+  return std::make_shared<ImplicitNet>(options);
+}
+
+}  // namespace pickbed::perception

@@ -1,0 +1,31 @@
+#pragma once
+
+// Layers that the kinds of completion networks share.
+
+#include <torch/nn/modules/batchnorm.h>
+#include <torch/nn/modules/conv.h>
+#include <torch/types.h>
+
+namespace pickbed::perception {
+
+// Convolution in three dimensions, batch normalization, ReLU.
+struct VolumeBlock : torch::nn::Module {
+  VolumeBlock(int64_t in, int64_t out, int64_t kernel, int64_t stride) {
+    convolution =
+        register_module("convolution", torch::nn::Conv3d(torch::nn::Conv3dOptions(in, out, kernel)
+                                                             .stride(stride)
+                                                             .padding(kernel / 2)
+                                                             .bias(false)));
+    norm = register_module("norm", torch::nn::BatchNorm3d(out));
+  }
+  at::Tensor forward(const at::Tensor& x) { return torch::relu(norm(convolution(x))); }
+  torch::nn::Conv3d convolution{nullptr};
+  torch::nn::BatchNorm3d norm{nullptr};
+};
+
+// Repeats each cell twice along the last three axes.
+inline at::Tensor DoubledSize(const at::Tensor& x) {
+  return x.repeat_interleave(2, 2).repeat_interleave(2, 3).repeat_interleave(2, 4);
+}
+
+}  // namespace pickbed::perception
