@@ -44,7 +44,7 @@ struct SurfaceOptions {
   int min_segment_px = 40;  // smaller segments are background
   double margin_m = 0.07;   // points this far beyond the walls are left out
   // A reading with fewer of its eight neighbors within step_m is an outlier and counts as none.
-  int min_neighbors = 0;
+  int min_neighbors = 2;
   void Visit(SettingsVisitor& v);
 };
 

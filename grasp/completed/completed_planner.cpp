@@ -145,7 +145,6 @@ CompletedPlannerOptions::CompletedPlannerOptions() {
   candidates.suction.max_points = 1500;
   candidates.robust.samples = 1;
   candidates.robust.cone_edges = 4;
-  fallback.surface.min_neighbors = 3;
 }
 
 void CompletedPlannerOptions::Visit(SettingsVisitor& v) {
@@ -174,9 +173,6 @@ void CompletedPlannerOptions::Visit(SettingsVisitor& v) {
   v.Group(
       "candidates", [this](SettingsVisitor& g) { candidates.Visit(g); },
       "grasp candidates of an object");
-  v.Group(
-      "fallback", [this](SettingsVisitor& g) { fallback.Visit(g); },
-      "grasps on the observed surface");
 }
 
 CompletedPlanner::CompletedPlanner(const PlannerSetup& setup,
@@ -189,9 +185,7 @@ CompletedPlanner::CompletedPlanner(const PlannerSetup& setup,
   const bool has_jaws = std::all_of(setup.tools.begin(), setup.tools.end(), [](const auto& tool) {
     return dynamic_cast<const ParallelJaw*>(tool.get()) != nullptr;
   });
-  if (options_.has_fallback && has_jaws) {
-    fallback_ = std::make_unique<CloudAntipodal>(setup, options_.fallback);
-  }
+  if (options_.has_fallback && has_jaws) fallback_ = std::make_unique<CloudAntipodal>(setup);
 }
 
 double CompletedPlanner::MaxTilt_rad() const {

@@ -44,7 +44,6 @@ struct CompletedPlannerOptions {
   int tested_grasps = 300;      // planned grasps that are tested against possible matter
   PlanOptions plan = {};        // max_grasps, seed and max_tilt_rad are set by each call
   GraspCandidateOptions candidates = {};  // set to fewer samples by the constructor
-  CloudAntipodalOptions fallback = {};    // its surface has no outliers, see the constructor
   CompletedPlannerOptions();
   void Visit(SettingsVisitor& v);
 };
