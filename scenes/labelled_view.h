@@ -30,12 +30,24 @@ struct LabelledView {
   std::optional<KnownBackground> background;  // given for clutter scenes
 };
 
+// What is around the bin of a clutter scene.
+enum class Surroundings {
+  kNone,        // nothing: only the bin is seen
+  kRoomAndBin,  // a room with tables, walls and other things; the objects are in a bin
+  kRoomNoBin,   // a room; the objects are on a table or on the floor
+  kEmptyRoom,   // a room without any object of the source
+};
+inline bool IsRoom(Surroundings surroundings) { return surroundings != Surroundings::kNone; }
+
 // Request for a clutter scene.
 struct ClutterSceneRequest {
   uint64_t seed = 0;
   int views = 1;                 // number of viewpoints
   ObjectId object = kAnyObject;  // index of an object that must be in the scene; -1 = any
   bool typical = false;  // always use the source's usual bin and distances for objects of this size
+  // Rooms are seen from more directions and distances, by more kinds of sensors. Their background
+  // is given in the views, too.
+  Surroundings surroundings = Surroundings::kNone;
 };
 
 // Source of labelled views.

@@ -11,7 +11,9 @@
 
 #include "scenes/base/error.h"
 #include "sim/drop/distractors.h"
+#include "sim/drop/room.h"
 #include "sim/sensor/depth_noise.h"
+#include "sim/sensor/sensor_failures.h"
 
 namespace pickbed::sim {
 namespace {
@@ -27,12 +29,15 @@ double BoundingVolume_m3(const ObjectModel& object) {
 }
 
 // Returns X_WC of a camera that looks down at a target near the center of the bin floor. The roll
-// about its optical axis is random.
-Pose RandomCamera(const ViewSourceOptions& options, double scale, Rng& rng) {
+// about its optical axis is random. A room is seen from up to twice the distance and at any tilt.
+Pose RandomCamera(const ViewSourceOptions& options, double scale, bool in_room, Rng& rng) {
+  constexpr double kRoomTilt_rad = 1.15;
   const double jitter = scale * options.target_jitter_m;
   const Eigen::Vector3d target_W(rng.Uniform(-jitter, jitter), rng.Uniform(-jitter, jitter), 0);
-  const double distance_m = scale * rng.Uniform(options.distance_min_m, options.distance_max_m);
-  const double tilt = rng.Uniform(0, options.tilt_max_rad);
+  const double farther = in_room ? rng.Uniform(0.8, 1.7) : 1;
+  const double distance_m =
+      farther * scale * rng.Uniform(options.distance_min_m, options.distance_max_m);
+  const double tilt = rng.Uniform(0, in_room ? kRoomTilt_rad : options.tilt_max_rad);
   const double azimuth = rng.Uniform(-std::numbers::pi, std::numbers::pi);
   const double roll = rng.Uniform(-std::numbers::pi, std::numbers::pi);
   using Eigen::AngleAxisd;
@@ -77,6 +82,7 @@ class SimViewSource : public LabelledViewSource {
   struct ScaledScene {
     Scene scene;
     double scale = 1;
+    bool in_room = false, on_table = false;
   };
   std::vector<ObjectId> RandomKinds(const ClutterSceneRequest& request, Rng& rng) const;
   std::vector<ObjectId> RandomDistractor(const ClutterSceneRequest& request,
@@ -88,6 +94,11 @@ class SimViewSource : public LabelledViewSource {
                      Rng& rng) const;
   ScaledScene DropScene(const ClutterSceneRequest& request) const;
   const SensorProfile& SceneSensor(uint64_t seed, int view) const;
+  SensorProfile RoomSensor(double distance_m, Rng& rng) const;
+  void AddRoom(const ScaledScene& clutter_scene, const Camera& camera, Rng& rng,
+               std::vector<RenderInstance>& instances);
+  Image<float> Sensed(const ScaledScene& clutter_scene, const RenderedImage& image,
+                      const Camera& camera, uint64_t seed, int view) const;
   LabelledView SceneView(const ScaledScene& clutter_scene, uint64_t seed, int view);
 
   // A random stream of its own, so that other scenes do not depend on deep_share.
@@ -100,6 +111,8 @@ class SimViewSource : public LabelledViewSource {
   ViewSourceOptions options_;
   ObjectSet in_scenes_;  // objects_, then distractors
   SceneRenderer scene_renderer_;
+  std::optional<RoomShapes> room_;  // made for the first room
+  std::vector<int> room_meshes_;    // handles in scene_renderer_.renderer()
 };
 
 // Renders one image per instance. `first` is the index of the first view; it selects the random
@@ -168,6 +181,9 @@ std::string SimViewSource::ClutterSceneSettings() const {
   for (SensorProfile sensor : o.scene_sensors) {
     sensors += WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); });
   }
+  for (SensorProfile sensor : o.room_sensors) {
+    sensors += "room " + WriteSettings([&](SettingsVisitor& v) { sensor.Visit(v); });
+  }
   return IsolatedSettings() + sensors +
          fmt::format("camera {}x{} {} {} {} {}\n", k.width(), k.height(), k.fx(), k.fy(), k.cx(),
                      k.cy()) +
@@ -209,12 +225,16 @@ std::vector<ObjectId> SimViewSource::RandomKinds(const ClutterSceneRequest& requ
 // random stream of their own, so a scene without distractors does not depend on `distractor_share`.
 std::vector<ObjectId> SimViewSource::RandomDistractor(const ClutterSceneRequest& request,
                                                       const std::vector<ObjectId>& kinds) const {
+  constexpr double kRoomShare = 0.7;  // at least, of the rooms
   std::vector<ObjectId> shapes;
   Rng rng = Rng::Derive(request.seed, 0, "pile foreign");
-  if (rng.Uniform() >= options_.distractor_share) return shapes;
+  const bool in_room = IsRoom(request.surroundings);
+  const double share =
+      in_room ? std::max(kRoomShare, options_.distractor_share) : options_.distractor_share;
+  if (in_scenes_.size() == objects_.size() || rng.Uniform() >= share) return shapes;
   const int own = static_cast<int>(objects_.size());
   const int per_object = static_cast<int>(in_scenes_.size()) / own - 1;
-  const int count = 1 + rng.Index(options_.distractor_max);
+  const int count = 1 + rng.Index(options_.distractor_max * (in_room ? 2 : 1));
   for (int i = 0; i < count; ++i) {
     const ObjectId kind = kinds[rng.Index(static_cast<int>(kinds.size()))];
     shapes.push_back(ObjectId(own + kind * per_object + rng.Index(per_object)));
@@ -254,6 +274,14 @@ double SimViewSource::RandomScale(const ClutterSceneRequest& request,
 }
 
 SimViewSource::ScaledScene SimViewSource::DropScene(const ClutterSceneRequest& request) const {
+  constexpr double kTableShare = 0.5;  // of the empty rooms
+  constexpr int kMaxOnTable = 8;       // instances of one kind
+  Rng room = Rng::Derive(request.seed, 0, "pile room");
+  const bool in_room = IsRoom(request.surroundings);
+  const bool is_empty = request.surroundings == Surroundings::kEmptyRoom;
+  const bool on_table =
+      options_.bin.shape == nullptr && (request.surroundings == Surroundings::kRoomNoBin ||
+                                        (is_empty && room.Uniform() < kTableShare));
   for (int attempt = 0; attempt < kSceneAttempts; ++attempt) {
     Rng rng = Rng::Derive(request.seed, attempt, "pile");
     const std::vector<ObjectId> kinds = RandomKinds(request, rng);
@@ -261,11 +289,17 @@ SimViewSource::ScaledScene SimViewSource::DropScene(const ClutterSceneRequest& r
     Bin bin = options_.bin;
     bin.inner_size_m *= scale;
     const std::vector<ObjectId> foreign = RandomDistractor(request, kinds);
-    const std::vector<int> counts = RandomCounts(kinds, foreign, bin, IsDeep(request), rng);
+    std::vector<int> counts = RandomCounts(kinds, foreign, bin, IsDeep(request) && !on_table, rng);
+    for (size_t i = 0; i < objects_.size(); ++i) {
+      if (is_empty) counts[i] = 0;
+      if (on_table) counts[i] = std::min(counts[i], 1 + room.Index(kMaxOnTable));
+    }
+    if (on_table) bin.inner_size_m.z() = 0;
+    if (is_empty && foreign.empty()) return {{bin, {}}, scale, in_room, on_table};
     DropResult result =
         DropInstances(bin, foreign.empty() ? objects_ : in_scenes_, counts, rng, options_.drop);
-    if (!result.certificate.blew_up && !result.scene.objects.empty()) {
-      return {std::move(result.scene), scale};
+    if (!result.certificate.blew_up && (is_empty || !result.scene.objects.empty())) {
+      return {std::move(result.scene), scale, in_room, on_table};
     }
   }
   throw std::runtime_error(fmt::format("no settled clutter scene for seed {} in {} attempts",
@@ -278,12 +312,74 @@ const SensorProfile& SimViewSource::SceneSensor(uint64_t seed, int view) const {
   return options_.scene_sensors[rng.Index(static_cast<int>(options_.scene_sensors.size()))];
 }
 
+// Returns a random profile that sees a scene at this distance, with the failures of real devices.
+SensorProfile SimViewSource::RoomSensor(double distance_m, Rng& rng) const {
+  constexpr double kNearest = 0.7, kFarthest = 2;  // of the distance, that must be in range
+  std::vector<SensorProfile> fitting;
+  for (const SensorProfile& sensor : options_.room_sensors) {
+    const bool in_range =
+        sensor.min_range_m < kNearest * distance_m && sensor.max_range_m > kFarthest * distance_m;
+    if (in_range) fitting.push_back(sensor);
+  }
+  if (fitting.empty()) fitting = options_.scene_sensors;
+  if (fitting.empty()) fitting = {options_.sensor};
+  return VariedProfile(fitting[rng.Index(static_cast<int>(fitting.size()))], rng);
+}
+
+// Adds random surroundings to the instances of a scene, of which the bin is the last.
+void SimViewSource::AddRoom(const ScaledScene& clutter_scene, const Camera& camera, Rng& rng,
+                            std::vector<RenderInstance>& instances) {
+  const double floor_m = options_.bin.inner_size_m.head<2>().norm();
+  if (!room_) {
+    double mean_m = 0;
+    for (const auto& object : objects_) mean_m += object->diameter_m / objects_.size();
+    const double scale = options_.for_diameter_m > 0 ? mean_m / options_.for_diameter_m : 1;
+    room_ = MakeRoomShapes(objects_, scale * floor_m);
+    for (const TriangleMesh* mesh : room_->All()) {
+      room_meshes_.push_back(scene_renderer_.renderer().AddMesh(*mesh));
+    }
+  }
+  const Scene& scene = clutter_scene.scene;
+  RoomCell cell;
+  cell.cell_m = clutter_scene.scale * floor_m;
+  cell.support_m = clutter_scene.on_table ? 0 : -scene.bin.wall_m;
+  cell.eye_B = camera.X_WC().translation();
+  for (const PosedObject& object : scene.objects) {
+    const ObjectModel& model = *in_scenes_[object.object];
+    cell.kept_free.push_back(
+        {object.X_WO * MeshBounds(model.mesh_O).center(), 0.5 * model.diameter_m});
+  }
+  if (!clutter_scene.on_table) cell.kept_free.push_back({{0, 0, 0}, 0.5 * cell.cell_m});
+  const std::vector<PlacedShape> placed = PlaceRoom(*room_, cell, rng);
+  if (clutter_scene.on_table && !placed.empty()) instances.pop_back();
+  for (const PlacedShape& shape : placed) {
+    instances.push_back({room_meshes_[shape.shape], shape.X_BS, 0});
+  }
+}
+
+Image<float> SimViewSource::Sensed(const ScaledScene& clutter_scene, const RenderedImage& image,
+                                   const Camera& camera, uint64_t seed, int view) const {
+  Rng noise = Rng::Derive(seed, view, "pile view noise");
+  const IdealView ideal{image.depth_m, camera.intrinsics, &image.color};
+  if (!clutter_scene.in_room) return ApplySensorNoise(ideal, SceneSensor(seed, view), noise);
+  Rng device = Rng::Derive(seed, view, "room sensor");
+  const double distance_m = camera.X_WC().translation().norm();
+  Image<float> depth_m = ApplySensorNoise(ideal, RoomSensor(distance_m, device), noise);
+  ApplyFailures(device, depth_m);
+  return depth_m;
+}
+
 LabelledView SimViewSource::SceneView(const ScaledScene& clutter_scene, uint64_t seed, int view) {
   const Scene& scene = clutter_scene.scene;
   Rng rng = Rng::Derive(seed, view, "pile camera");
-  const Camera camera{options_.camera, RandomCamera(options_, clutter_scene.scale, rng)};
+  const Camera camera{options_.camera,
+                      RandomCamera(options_, clutter_scene.scale, clutter_scene.in_room, rng)};
   const Light light = RandomLight(options_.appearance, rng);
   std::vector<RenderInstance> instances = scene_renderer_.InstancesOf(scene);
+  if (clutter_scene.in_room) {
+    Rng room = Rng::Derive(seed, view, "room");
+    AddRoom(clutter_scene, camera, room, instances);
+  }
   // The material depends on the clutter scene only, so an instance looks the same in all its views.
   for (size_t i = 0; i < instances.size(); ++i) {
     Rng appearance = Rng::Derive(seed, i, "pile looks");
@@ -308,9 +404,7 @@ LabelledView SimViewSource::SceneView(const ScaledScene& clutter_scene, uint64_t
     new_id[object.instance + 1] = static_cast<uint16_t>(out.instances.size());
   }
   for (uint16_t& id : image.ids.pixels()) id = new_id[id];
-  Rng noise = Rng::Derive(seed, view, "pile view noise");
-  Image<float> depth_m = ApplySensorNoise({image.depth_m, camera.intrinsics, &image.color},
-                                          SceneSensor(seed, view), noise);
+  Image<float> depth_m = Sensed(clutter_scene, image, camera, seed, view);
   out.frame = {camera.intrinsics, std::move(image.color), std::move(depth_m)};
   out.ids = std::move(image.ids);
   out.background = KnownBackground{scene.bin, X_CW};  // the bin's frame is the world frame
@@ -367,6 +461,7 @@ std::unique_ptr<LabelledViewSource> MakeSimViewSource(const ObjectSet& objects,
   options.appearance.Validate();
   CheckSettings("SensorProfile", options.sensor);
   for (const SensorProfile& sensor : options.scene_sensors) CheckSettings("SensorProfile", sensor);
+  for (const SensorProfile& sensor : options.room_sensors) CheckSettings("SensorProfile", sensor);
   CheckSettings("DropOptions", options.drop);
   return std::make_unique<SimViewSource>(objects, options);
 }

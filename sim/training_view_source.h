@@ -18,6 +18,9 @@ struct ViewSourceOptions {
   SensorProfile sensor;
   // Sensor profiles for views of clutter scenes. Each view draws one at random. Empty = `sensor`.
   std::vector<SensorProfile> scene_sensors;
+  // The same for views of rooms, see Surroundings. Profiles that cannot see the scene are left out.
+  // Empty = as for other clutter scenes.
+  std::vector<SensorProfile> room_sensors;
   CameraIntrinsics camera;       // used for clutter scenes
   double distance_min_m = 0.75;  // distance of the camera to its target on the bin floor
   double distance_max_m = 1.00;

@@ -333,6 +333,47 @@ TEST(ViewSource, CellScalesWithTheObject) {
   EXPECT_THROW(scaled->ClutterScene({0, 1, ObjectId{3}}), InputError);
 }
 
+// A room shows surfaces outside of the bin, also without any instance. Instances keep their labels,
+// and other scenes do not depend on the sensors of rooms.
+TEST(ViewSource, RoomsSurroundTheBinAndMayBeEmpty) {
+  const ObjectSet objects = FirstObjects(1);
+  ViewSourceOptions options = SmallOptions();
+  options.sensor = SensorProfile();
+  options.color = false;
+  const auto source = MakeSimViewSource(objects, options);
+  const auto share_with_depth = [](const LabelledView& view) {
+    int count = 0;
+    for (const float z_m : view.frame.depth_m.pixels()) count += z_m > 0;
+    return static_cast<double>(count) / view.frame.depth_m.size();
+  };
+  const ClutterSceneRequest plain{5, 1};
+  for (const auto surroundings :
+       {Surroundings::kRoomAndBin, Surroundings::kRoomNoBin, Surroundings::kEmptyRoom}) {
+    ClutterSceneRequest request = plain;
+    request.surroundings = surroundings;
+    double seen = 0;
+    int labelled = 0;
+    for (uint64_t seed = 0; seed < 4; ++seed) {
+      request.seed = seed;
+      const LabelledView view = source->ClutterScene(request).front();
+      ASSERT_TRUE(view.background.has_value());
+      seen += share_with_depth(view) / 4;
+      for (const uint16_t id : view.ids.pixels()) labelled += id > 0;
+      EXPECT_EQ(view.instances.empty(), surroundings == Surroundings::kEmptyRoom);
+    }
+    EXPECT_GT(seen, 0.6);
+    EXPECT_EQ(labelled > 0, surroundings != Surroundings::kEmptyRoom);
+    EXPECT_EQ(source->ClutterScene(request).front().frame.depth_m,
+              source->ClutterScene(request).front().frame.depth_m);
+  }
+  ViewSourceOptions with_sensor = options;
+  with_sensor.room_sensors = {LoadSensorProfile("kinect_v1")};
+  const auto noisy = MakeSimViewSource(objects, with_sensor);
+  EXPECT_NE(source->ClutterSceneSettings(), noisy->ClutterSceneSettings());
+  EXPECT_EQ(source->ClutterScene(plain).front().frame.depth_m,
+            noisy->ClutterScene(plain).front().frame.depth_m);
+}
+
 TEST(ViewSource, SettingsDifferForDifferentViews) {
   const ObjectSet objects = FirstObjects(1);
   const ViewSourceOptions options = SmallOptions();
