@@ -79,7 +79,7 @@ const std::vector<BinMethod>& BinMethods() {
     return words;
   };
   const auto few = set({}, {"clutter_scenes=6", "iterations=120", "verifier_clutter_scenes=2",
-                            "held_out.clutter_scenes=1"});
+                            "verifier_room_scenes=2", "held_out.clutter_scenes=1"});
   const auto few_wholes =
       set({}, {"clutter_scenes=2", "wohlhart.views.clutter_scenes=6", "wohlhart.views.isolated=300",
                "wohlhart.network.iterations=100"});

@@ -81,6 +81,10 @@ class Runner {
     if (result.failure) Warn(place, *result.failure);
     ++images_;
     without_background_ += !result.has_background;
+    outside_domain_ += !result.domain_warnings.empty();
+    if (first_domain_warning_.empty() && !result.domain_warnings.empty()) {
+      first_domain_warning_ = result.domain_warnings.front();
+    }
     place.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     for (const PoseHypothesis& hypothesis : result.hypotheses) {
       place.object_id = object_ids_[hypothesis.object];
@@ -90,9 +94,15 @@ class Runner {
     }
   }
 
-  // Warns if the estimator recognised no background in some images.
-  void WarnOfBackground() const {
-    if (!on_warning_ || without_background_ == 0) return;
+  // Warns of images that are unlike the training images, and of images in which the estimator
+  // recognised no background.
+  void WarnOfImages() const {
+    if (!on_warning_) return;
+    if (outside_domain_ > 0) {
+      on_warning_(fmt::format("{} of {} images are unlike the training images; the first: {}",
+                              outside_domain_, images_, first_domain_warning_));
+    }
+    if (without_background_ == 0) return;
     on_warning_(
         fmt::format("no table, floor or bin was recognised in {} of {} images: poses on them may "
                     "have high scores",
@@ -136,7 +146,8 @@ class Runner {
   RegionSpec region_;
   std::function<void(const std::string& line)> on_warning_;
   bool is_first_ = true;  // the next image
-  int images_ = 0, without_background_ = 0;
+  int images_ = 0, without_background_ = 0, outside_domain_ = 0;
+  std::string first_domain_warning_;
   std::vector<int> object_ids_;
   std::unique_ptr<ImageEstimator> estimator_;
 };
@@ -297,7 +308,7 @@ std::vector<DatasetEstimate> EstimateDataset(
                                  static_cast<double>(done) / static_cast<double>(all)});
                   }
                 });
-  if (runner) runner->WarnOfBackground();
+  if (runner) runner->WarnOfImages();
   return estimates;
 }
 

@@ -137,6 +137,12 @@ std::unique_ptr<LabelledViewSource> MakeTrainingViews(const TrainingSet& trainin
   options.sensor = WithSettingsKey(training_set.spec, "sensor",
                                    [&] { return LoadSensorProfile(training_set.spec.sensor); });
   options.scene_sensors = training_set.sensors;
+  // An image without a known background may be from any camera.
+  options.room_sensors = training_set.sensors;
+  if (training_set.sensors.empty()) options.room_sensors.push_back(options.sensor);
+  for (const char* name : {"kinect_v1", "structured_light", "active_stereo"}) {
+    options.room_sensors.push_back(LoadSensorProfile(name));
+  }
   options.distractor_share = training_set.distractor_share;
   options.deep_share = training_set.deep_share;
   options.appearance = TrainingAppearance(training_set.spec.appearance);

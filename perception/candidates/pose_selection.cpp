@@ -1,9 +1,11 @@
 #include "perception/candidates/pose_selection.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "perception/candidates/edge_comparison.h"
 #include "perception/verify/color_consistency.h"
+#include "perception/verify/image_domain.h"
 
 namespace pickbed::perception {
 namespace {
@@ -28,6 +30,11 @@ std::vector<PoseHypothesis> Scored(const OrganizedCloud& cloud,
   return scored;
 }
 
+// The score whose logit is lower by `nats`.
+double Lowered(double score, double nats) {
+  return nats > 0 ? score / (score + (1 - score) * std::exp(nats)) : score;
+}
+
 }  // namespace
 
 void PoseSelectionOptions::Visit(SettingsVisitor& v) {
@@ -47,9 +54,14 @@ std::vector<double> CandidateScores(const OrganizedCloud& cloud,
                                     const std::vector<Candidate>& candidates,
                                     const PoseSelectionOptions& options) {
   std::vector<double> scores;
+  const ImageDomain domain = DomainOf(cloud);
   for (const Candidate& candidate : candidates) {
-    scores.push_back(
-        verifiers[candidate.hypothesis.object].Score(candidate.features, options.mode));
+    const PoseHypothesis& hypothesis = candidate.hypothesis;
+    const double score =
+        verifiers[hypothesis.object].Score(candidate.features, options.mode, cloud.background);
+    const double diameter_px = cloud.intrinsics.fx() * models[hypothesis.object].diameter_m /
+                               std::max(1e-3, hypothesis.X_CO.translation().z());
+    scores.push_back(Lowered(score, LogitPenalty(domain, diameter_px)));
   }
   WeighByEdges(cloud, models, distances, candidates, scores);
   for (size_t i = 0; i < candidates.size(); ++i) {

@@ -103,6 +103,7 @@ void MarkBackground(const std::optional<KnownBackground>& background, const Clou
   const double margin = options.background_margin_m;
   if (background) {
     const Bin& bin = background->bin;
+    cloud.background = BackgroundKind::kKnown;
     cloud.planes = PlanesOf(*background);
     cloud.wall_height_m = static_cast<float>(bin.inner_size_m.z());
     cloud.foreground =
@@ -114,6 +115,7 @@ void MarkBackground(const std::optional<KnownBackground>& background, const Clou
     cloud.planes = FitBackground(SparsePoints(k, cloud.depth_m, region),
                                  {.margin_m = margin, .min_plane_share = options.min_plane_share});
   }
+  cloud.background = cloud.planes.empty() ? BackgroundKind::kNone : BackgroundKind::kFitted;
   cloud.foreground = MarkForeground(
       k, cloud.depth_m, Eigen::Isometry3f::Identity(), margin,
       [&](const Eigen::Vector3f& p_C, float m) {
@@ -138,6 +140,26 @@ void FillPoints(OrganizedCloud& cloud) {
 }
 
 }  // namespace
+
+float DepthNoiseAt1m(const Image<float>& depth_m) {
+  constexpr int kRowStep = 4;
+  constexpr size_t kMinReadings = 100;
+  constexpr float kMaxCurvature = 0.02f;  // larger differences are edges, of the depth
+  std::vector<float> differences;
+  for (int y = kRowStep / 2; y < depth_m.height(); y += kRowStep) {
+    for (int x = 1; x + 1 < depth_m.width(); ++x) {
+      const float left = depth_m(x - 1, y), z = depth_m(x, y), right = depth_m(x + 1, y);
+      if (!(left > 0) || !(z > 0) || !(right > 0)) continue;
+      const float difference = std::abs(z - 0.5f * (left + right));
+      if (difference < kMaxCurvature * z) differences.push_back(difference / (z * z));
+    }
+  }
+  if (differences.size() < kMinReadings) return 0;
+  const auto median = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), median, differences.end());
+  // The median of |x| is 0.6745 sigma; the difference has the variance 1.5 sigma^2.
+  return *median / (0.6745f * std::sqrt(1.5f));
+}
 
 Image<float> FillSinglePixelHoles(const Image<float>& depth_m) {
   constexpr int kMinNeighbors = 6;  // fewer: an edge or a larger hole
@@ -182,6 +204,7 @@ OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackg
   cloud.intrinsics = frame.intrinsics;
   cloud.color = frame.color;
   cloud.edges = FindColorEdges(frame.intrinsics, frame.color);
+  cloud.noise_at_1m = DepthNoiseAt1m(frame.depth_m);
   cloud.depth_m = FillSinglePixelHoles(frame.depth_m);
   MarkBackground(background, options, region, cloud);
   if (region != nullptr) {

@@ -38,6 +38,14 @@ struct CloudOptions {
   void Visit(SettingsVisitor& v);
 };
 
+// How the foreground of a cloud was separated. A score has a calibration for each.
+enum class BackgroundKind {
+  kKnown,   // the background was given
+  kFitted,  // planes were found in the image
+  kNone,    // no plane was found, or none was looked for
+};
+inline constexpr int kBackgroundKinds = 3;
+
 // Point cloud with the layout of the image; arrays have width * height entries, row by row.
 struct OrganizedCloud {
   CameraIntrinsics intrinsics;
@@ -51,6 +59,9 @@ struct OrganizedCloud {
                                            // unreliable, and on the background
   Image<uint8_t> foreground;               // 1 = has a point and is not background
   std::vector<int> foreground_pixels;      // indices of the foreground pixels, ascending
+  BackgroundKind background = BackgroundKind::kNone;
+  // Standard deviation of the readings on smooth surfaces along z, at 1 m; see DepthNoiseAt1m().
+  float noise_at_1m = 0;
   // Walls first, then the table or floor, known or fitted. Empty if there is no background and for
   // bins that are not boxes.
   std::vector<BackgroundPlane> planes;
@@ -64,6 +75,11 @@ struct OrganizedCloud {
 // planes are fitted to these pixels. The others keep their depth, as evidence against poses.
 OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
                           const CloudOptions& options = {}, const Image<uint8_t>* region = nullptr);
+
+// Estimates the noise of the depth from the image itself: the median difference of a reading from
+// the mean of its left and right neighbours, as a standard deviation, divided by z^2. Errors that
+// neighbours share do not count. Returns 0 for fewer than 100 readings with both neighbours.
+float DepthNoiseAt1m(const Image<float>& depth_m);
 
 // Returns the depth with single-pixel holes filled: a pixel without depth and with at least six
 // valid neighbours of eight gets their lower median.

@@ -12,6 +12,7 @@
 #include "perception/networks/model_file.h"
 #include "perception/segment_poses/segment_poses.h"
 #include "perception/verify/color_consistency.h"
+#include "perception/verify/image_domain.h"
 #include "scenes/base/cache_lock.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -198,6 +199,7 @@ EstimateResult LearnedEstimator::Estimate(const EstimatorInput& input, Rng& rng)
     cloud = SearchCloud(input.frame, input.background, binning_, input.region);
   }
   result.has_background = input.background.has_value() || !cloud.planes.empty();
+  result.domain_warnings = DomainWarnings(DomainOf(cloud));
   std::vector<Candidate> candidates;
   if (options_.first) {
     const FirstPosesSearch search{*finder_, verifiers_, options_.pose_selection, *options_.first};

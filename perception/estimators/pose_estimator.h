@@ -65,6 +65,9 @@ struct EstimateResult {
   std::optional<EstimatorFailure> failure = {};  // the hypotheses are then empty
   // False if the estimator looked for a table, floor or bin in the image and recognised none.
   bool has_background = true;
+  // Ways in which the image differs from the training images, one sentence each; see
+  // verify/image_domain.h. Scores are lowered for them. Empty for estimators without a verifier.
+  std::vector<std::string> domain_warnings = {};
 };
 
 // Interface of an estimator.

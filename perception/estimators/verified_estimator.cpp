@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "perception/cloud/search_cloud.h"
+#include "perception/verify/image_domain.h"
 
 namespace pickbed::perception {
 namespace {
@@ -19,6 +20,7 @@ class VerifiedEstimator : public PoseEstimator {
       cloud = SearchCloud(input.frame, input.background, setup_.binning, input.region);
     }
     result.has_background = input.background.has_value() || !cloud.planes.empty();
+    result.domain_warnings = DomainWarnings(DomainOf(cloud));
     const std::vector<Candidate> candidates = setup_.source->Find(cloud, rng, result.seconds);
     const CandidateRefiner& candidate_refiner = setup_.source->candidate_refiner();
     {

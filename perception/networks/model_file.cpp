@@ -14,7 +14,7 @@ namespace pickbed::perception {
 namespace {
 
 // Increase it when the meaning of the file changes; older programs then reject the file.
-constexpr int kModelVersion = 9;
+constexpr int kModelVersion = 10;
 // Version 3 has no recall. Versions 3 and 4 have only one kind of network.
 constexpr int kOldestVersion = 3;
 constexpr const char* kModelKind = "descriptor model";
@@ -40,11 +40,13 @@ DescriptorModel ParseModel(const std::string& bytes, const std::string& name) {
   DescriptorNetwork network(info.network, 0, static_cast<int>(info.objects.size()));
   network.SetWeights(weights);
   const uint64_t network_hash = HashBytes(weights.data(), weights.size() * sizeof(float));
-  constexpr int kWithSurroundings = 6, kWithOutline = 7, kWithModes = 8, kWithSupport = 9;
+  constexpr int kWithSurroundings = 6, kWithOutline = 7, kWithModes = 8, kWithSupport = 9,
+                kWithUnknown = 10;
   const VerifierLayout layout = version < kWithSurroundings ? kWithoutSurroundings
                                 : version < kWithOutline    ? kWithoutOutline
                                 : version < kWithModes      ? kOneCalibration
                                 : version < kWithSupport    ? kWithoutSupport
+                                : version < kWithUnknown    ? kWithoutUnknown
                                                             : VerifierLayout();
   std::vector<Verifier> verifiers = VerifiersFrom(verifier, info.objects.size(), layout);
   return {info, std::move(network), std::move(verifiers), network_hash, hash};

@@ -10,8 +10,8 @@ namespace pickbed::perception {
 namespace {
 
 constexpr const char* kKind = "file of verifiers";
-constexpr int kOldest = 1, kWithOutline = 3, kWithModes = 4, kWithSupport = 5;
-constexpr int kVersion = 5;  // increase it when the meaning of the file changes
+constexpr int kOldest = 1, kWithOutline = 3, kWithModes = 4, kWithSupport = 5, kWithUnknown = 6;
+constexpr int kVersion = 6;  // increase it when the meaning of the file changes
 
 std::string ObjectsText(std::vector<ModelObject> objects) {
   return WriteSettings([&](SettingsVisitor& v) {
@@ -53,6 +53,7 @@ VerifierFile ParseVerifiers(const std::string& bytes, const std::string& name) {
                                 : version < kWithOutline ? kWithoutOutline
                                 : version < kWithModes   ? kOneCalibration
                                 : version < kWithSupport ? kWithoutSupport
+                                : version < kWithUnknown ? kWithoutUnknown
                                                          : VerifierLayout();
   if (has_verifiers) {
     content.verifiers = VerifiersFrom(values, content.objects.size(), layout);
@@ -98,19 +99,46 @@ VerifierFile LoadVerifiers(const std::filesystem::path& file, const std::string&
 
 namespace {
 
-void AppendVerifier(const Verifier& verifier, std::vector<float>& values) {
+void AppendNetwork(const VerifierNetwork& network, std::vector<float>& values) {
   const auto append = [&](const auto& matrix) {
     values.insert(values.end(), matrix.data(), matrix.data() + matrix.size());
   };
-  append(verifier.mean);
-  append(verifier.scale);
-  append(verifier.w1);
-  append(verifier.b1);
-  append(verifier.w2);
-  values.push_back(verifier.b2);
-  for (const Calibration& calibration : verifier.calibrations) {
-    values.insert(values.end(), {calibration.scale, calibration.shift});
+  append(network.mean);
+  append(network.scale);
+  append(network.w1);
+  append(network.b1);
+  append(network.w2);
+  values.push_back(network.b2);
+}
+
+void AppendVerifier(const Verifier& verifier, std::vector<float>& values) {
+  AppendNetwork(verifier.known, values);
+  AppendNetwork(verifier.unknown, values);
+  for (const auto& by_mode : verifier.calibrations) {
+    for (const Calibration& calibration : by_mode) {
+      values.insert(values.end(), {calibration.scale, calibration.shift});
+    }
   }
+}
+
+// Reads a network and moves `next` behind it.
+VerifierNetwork NetworkFrom(const float*& next, int features, Eigen::Index hidden) {
+  const auto vector = [&](Eigen::Index size) {
+    const Eigen::VectorXf result = Eigen::Map<const Eigen::VectorXf>(next, size);
+    next += size;
+    return result;
+  };
+  VerifierNetwork network;
+  network.mean = Eigen::VectorXf::Zero(kVerifyFeatures);
+  network.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
+  network.w1 = Eigen::MatrixXf::Zero(hidden, kVerifyFeatures);
+  network.mean.head(features) = vector(features);
+  network.scale.head(features) = vector(features);
+  network.w1.leftCols(features) = vector(hidden * features).reshaped(hidden, features);
+  network.b1 = vector(hidden);
+  network.w2 = vector(hidden);
+  network.b2 = *next++;
+  return network;
 }
 
 }  // namespace
@@ -125,33 +153,31 @@ std::vector<Verifier> VerifiersFrom(const std::vector<float>& values, size_t cou
                                     const VerifierLayout& layout) {
   const int features = layout.features;
   CheckInput(count > 0 && values.size() % count == 0, "its verifiers have another shape");
-  // Layout: 2 * features, hidden * (features + 2), b2, calibrations.
-  const Eigen::Index scalars = 1 + 2 * layout.calibrations;
-  const auto rest = static_cast<int64_t>(values.size() / count) - 2 * features - scalars;
-  CheckInput(rest > 0 && rest % (features + 2) == 0, "its verifiers have another shape");
-  const Eigen::Index hidden = rest / (features + 2);
+  // Layout: per network 2 * features, hidden * (features + 2), b2; then the calibrations.
+  const int networks = layout.has_unknown ? 2 : 1;
+  const int kinds = layout.has_unknown ? kBackgroundKinds : 1;
+  const Eigen::Index scalars =
+      static_cast<Eigen::Index>(networks) * (2 * features + 1) + 2 * kinds * layout.calibrations;
+  const auto rest = static_cast<int64_t>(values.size() / count) - scalars;
+  const int64_t per_unit = static_cast<int64_t>(networks) * (features + 2);
+  CheckInput(rest > 0 && rest % per_unit == 0, "its verifiers have another shape");
+  const Eigen::Index hidden = rest / per_unit;
   const float* next = values.data();
-  const auto vector = [&](Eigen::Index size) {
-    const Eigen::VectorXf result = Eigen::Map<const Eigen::VectorXf>(next, size);
-    next += size;
-    return result;
-  };
   std::vector<Verifier> verifiers(count);
   for (Verifier& verifier : verifiers) {
-    verifier.mean = Eigen::VectorXf::Zero(kVerifyFeatures);
-    verifier.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
-    verifier.w1 = Eigen::MatrixXf::Zero(hidden, kVerifyFeatures);
-    verifier.mean.head(features) = vector(features);
-    verifier.scale.head(features) = vector(features);
-    verifier.w1.leftCols(features) = vector(hidden * features).reshaped(hidden, features);
-    verifier.b1 = vector(hidden);
-    verifier.w2 = vector(hidden);
-    verifier.b2 = *next++;
-    for (int mode = 0; mode < layout.calibrations; ++mode, next += 2) {
-      verifier.calibrations[mode] = {next[0], next[1]};
+    verifier.known = NetworkFrom(next, features, hidden);
+    verifier.unknown = layout.has_unknown ? NetworkFrom(next, features, hidden) : verifier.known;
+    for (int kind = 0; kind < kinds; ++kind) {
+      auto& by_mode = verifier.calibrations[kind];
+      for (int mode = 0; mode < layout.calibrations; ++mode, next += 2) {
+        by_mode[mode] = {next[0], next[1]};
+      }
+      for (int mode = layout.calibrations; mode < kCandidateModes; ++mode) {
+        by_mode[mode] = by_mode[0];
+      }
     }
-    for (int mode = layout.calibrations; mode < kCandidateModes; ++mode) {
-      verifier.calibrations[mode] = verifier.calibrations[0];
+    for (int kind = kinds; kind < kBackgroundKinds; ++kind) {
+      verifier.calibrations[kind] = verifier.calibrations[0];
     }
   }
   return verifiers;

@@ -39,18 +39,23 @@ VerifierFile LoadVerifiers(const std::filesystem::path& file, const std::string&
 // Returns the verifiers as plain numbers, one after the other, as stored in model files.
 std::vector<float> VerifierValues(const std::vector<Verifier>& verifiers);
 
-// Shape of stored verifiers: the number of leading features that they use, and the number of
-// calibrations: one per mode, or one for all modes.
+// Shape of stored verifiers: the number of leading features that they use, the number of
+// calibrations (one per mode, or one for all modes), and whether there is a network for unknown
+// backgrounds.
 struct VerifierLayout {
   int features = kVerifyFeatures;
   int calibrations = kCandidateModes;
+  bool has_unknown = true;
 };
 // Layouts of older files: without the features for bin, floor and neighbours; without the outline
-// feature; without one calibration per mode; without the support features.
-inline constexpr VerifierLayout kWithoutSurroundings{16, 1}, kWithoutOutline{19, 1},
-    kOneCalibration{20, 1}, kWithoutSupport{20, kCandidateModes};
+// feature; without one calibration per mode; without the support features; without the network for
+// unknown backgrounds.
+inline constexpr VerifierLayout kWithoutSurroundings{16, 1, false}, kWithoutOutline{19, 1, false},
+    kOneCalibration{20, 1, false}, kWithoutSupport{20, kCandidateModes, false},
+    kWithoutUnknown{24, kCandidateModes, false};
 
-// Returns `count` verifiers of equal shape. Features beyond the layout get zero weight. Throws
+// Returns `count` verifiers of equal shape. Features beyond the layout get zero weight. Without a
+// network for unknown backgrounds, the other network and its calibrations are used for them. Throws
 // InputError if the number of values does not fit.
 std::vector<Verifier> VerifiersFrom(const std::vector<float>& values, size_t count,
                                     const VerifierLayout& layout = {});

@@ -150,6 +150,7 @@ VerifierTrainingOptions Trainer::VerifierPlan() const {
   VerifierTrainingOptions options;
   options.seed = options_.seed;
   options.clutter_scenes = options_.verifier_clutter_scenes;
+  options.room_scenes = options_.verifier_room_scenes;
   options.views_per_scene = options_.views_per_scene;
   options.entries = options_.candidates.votes == "regressed" ? 0 : options_.verifier_entries;
   options.candidates = {options_.candidates, options_.fast_candidates};
@@ -309,8 +310,8 @@ bool Trainer::TrainNetwork() {
 bool Trainer::TrainVerifiers() {
   BeginPhase();
   const std::vector<ObjectId> new_objects = NewObjects();
-  const int clutter_scenes =
-      options_.verifier_clutter_scenes * static_cast<int>(new_objects.size());
+  const int clutter_scenes = (options_.verifier_clutter_scenes + options_.verifier_room_scenes) *
+                             static_cast<int>(new_objects.size());
   const auto share_of = [&](size_t done, double share) {
     return (static_cast<double>(done) + share) / static_cast<double>(new_objects.size());
   };
@@ -329,11 +330,19 @@ bool Trainer::TrainVerifiers() {
     const VerifierObject object{i, sides_[i], network_.length(), VoterOf(network_)};
     VerifierTrainingOptions plan = VerifierPlan();
     if (!deadlines.empty()) plan.deadlines = deadlines[n - first];
+    std::optional<TrainedVerifier> start;
+    if (options_.verifier_clutter_scenes == 0 && from_.model) {
+      const int known = from_.known[i];
+      start = {from_.model->verifiers[known], from_.model->info.objects[known].verifier_auc};
+    }
     bool go_on = true;
     const TrainedVerifier trained = NamingObject(*objects_[i], [&] {
-      return TrainObjectVerifier(*training_set, objects_[i], object, plan, [&](double share) {
-        return go_on = Report("verifier", share_of(n, share), clutter_scenes);
-      });
+      return TrainObjectVerifier(
+          *training_set, objects_[i], object, plan,
+          [&](double share) {
+            return go_on = Report("verifier", share_of(n, share), clutter_scenes);
+          },
+          start ? &*start : nullptr);
     });
     if (!go_on) return false;
     trained_.push_back(trained);
@@ -431,6 +440,8 @@ TrainingReport Trainer::Run() {
 
 TrainingReport TrainDescriptor(const TrainingJob& job, const TrainingOptions& options) {
   CheckSettings("TrainingOptions", options);
+  CheckInput(options.verifier_clutter_scenes > 0 || options.verifiers_only,
+             "verifier_clutter_scenes is 0, which keeps known verifiers; set verifiers_only=true");
   CheckInput(!options.verifiers_only || !job.start_from.empty(),
              "verifiers_only needs a model whose network is kept; name one to start from");
   CheckInput(!job.views.objects().empty(), "training needs at least one object");

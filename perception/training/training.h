@@ -39,7 +39,10 @@ struct TrainingOptions {
   double learning_rate = 1.5e-3;  // of Adam; decays to zero along a cosine
   double views_share = 0.75;      // share of the steps after which all clutter scenes are in use
   double rehearsal = 0.1;         // scenes and steps of a rehearsed object, relative to a new one
-  int verifier_clutter_scenes = 24;  // clutter scenes per object for its verifier
+  // Clutter scenes per object for its verifier. 0 = with verifiers_only, keep the network of the
+  // initial model for known backgrounds.
+  int verifier_clutter_scenes = 24;
+  int verifier_room_scenes = 12;  // rooms per object for its verifier; every second has no object
   // The network of `start_from` is kept as it is, and the verifiers of all objects are trained
   // anew.
   bool verifiers_only = false;

@@ -26,8 +26,12 @@ void TrainingOptions::Visit(SettingsVisitor& v) {
   v.Real("rehearsal", rehearsal, {0.001, 1},
          "scenes and steps of an object that the initial model knows, relative to a new object");
   v.RenamedKey("verifier_piles", "verifier_clutter_scenes");
-  v.Integer("verifier_clutter_scenes", verifier_clutter_scenes, {1, 100000},
-            "number of clutter scenes per object for its verifier");
+  v.Integer("verifier_clutter_scenes", verifier_clutter_scenes, {0, 100000},
+            "number of clutter scenes per object for its verifier; 0 = with verifiers_only, keep "
+            "what the initial model knows for known backgrounds");
+  v.Integer("verifier_room_scenes", verifier_room_scenes, {0, 100000},
+            "number of rooms per object for its verifier, of which every second has no object; 0 = "
+            "no verifier for unknown backgrounds");
   v.Integer("verifier_entries", verifier_entries, {1, 10000000},
             "number of codebook entries per object while its verifier is trained");
   v.Integer("checkpoint_every", checkpoint_every, {1, 1000000},

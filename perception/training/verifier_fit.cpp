@@ -72,8 +72,8 @@ void VerifierOptions::Visit(SettingsVisitor& v) {
   v.Real("weight_decay", weight_decay, {0, 1}, "weight decay of Adam");
 }
 
-TrainedVerifier TrainVerifier(const VerifierExamples& examples, const VerifierOptions& options,
-                              uint64_t seed) {
+TrainedNetwork TrainVerifier(const VerifierExamples& examples, const VerifierOptions& options,
+                             uint64_t seed) {
   CheckSettings("VerifierOptions", options);
   const int64_t count = static_cast<int64_t>(examples.features.size());
   const int64_t kept =
@@ -92,17 +92,17 @@ TrainedVerifier TrainVerifier(const VerifierExamples& examples, const VerifierOp
   Perceptron net(options.hidden);
   Fit(net, (x - mean) / scale, y.slice(0, 0, kept), options);
 
-  TrainedVerifier trained;
-  Verifier& verifier = trained.verifier;
-  verifier.mean = ToVector(mean);
-  verifier.scale = ToVector(scale);
-  verifier.w1 = ToMatrix(net.first->weight);
-  verifier.b1 = ToVector(net.first->bias);
-  verifier.w2 = ToVector(net.last->weight.flatten());
-  verifier.b2 = net.last->bias.item<float>();
+  TrainedNetwork trained;
+  VerifierNetwork& network = trained.network;
+  network.mean = ToVector(mean);
+  network.scale = ToVector(scale);
+  network.w1 = ToMatrix(net.first->weight);
+  network.b1 = ToVector(net.first->bias);
+  network.w2 = ToVector(net.last->weight.flatten());
+  network.b2 = net.last->bias.item<float>();
   std::vector<double> scores;
   for (int64_t i = kept; i < count; ++i) {
-    scores.push_back(verifier.Score(examples.features[i]));
+    scores.push_back(network.Logit(examples.features[i]));
   }
   trained.auc = AreaUnderRoc(scores, {examples.right.begin() + kept, examples.right.end()});
   return trained;

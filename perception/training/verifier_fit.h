@@ -26,16 +26,22 @@ struct VerifierExamples {
   size_t held_out_from = 0;    // examples from here on are used only for the AUC; 0 = none
 };
 
+// A network and its quality.
+struct TrainedNetwork {
+  VerifierNetwork network;
+  double auc = 0;  // area under the ROC curve on the held-out examples; 0.5 = useless
+};
+
 // A verifier and its quality.
 struct TrainedVerifier {
   Verifier verifier;
-  double auc = 0;  // area under the ROC curve on the held-out examples; 0.5 = useless
+  double auc = 0;  // of the network for known backgrounds
 };
 
 // Minimises the unweighted cross-entropy, so that the output estimates P(right). Throws InputError
 // if the training examples are all right or all wrong.
-TrainedVerifier TrainVerifier(const VerifierExamples& examples, const VerifierOptions& options,
-                              uint64_t seed);
+TrainedNetwork TrainVerifier(const VerifierExamples& examples, const VerifierOptions& options,
+                             uint64_t seed);
 
 // Returns the probability that a right example scores above a wrong one; ties count half. It is 0.5
 // if there are no right or no wrong examples.

@@ -92,14 +92,14 @@ VerifierReport TrainVerifierLibrary(const VerifierJob& job,
     try {
       constexpr double kScenesShare = 0.1;  // approximate share of the time
       const ObjectId object(i);
-      const std::vector<LabelledView> clutter_scenes =
+      const VerifierTrainingSet training_set =
           VerifierScenes(job.views, object, /*color=*/false, options,
                          [&](double share) { return report(kScenesShare * share); });
       if (!go_on) return {false, saved, 0};
       const std::unique_ptr<CandidateSource> source = job.candidates({objects[i]}, file.network);
       const CandidateSource* const sources[] = {source.get()};
       const TrainedVerifier trained = TrainObjectVerifier(
-          clutter_scenes, object, sources, options,
+          training_set, object, sources, options,
           [&](double share) { return report(kScenesShare + (1 - kScenesShare) * share); });
       if (!go_on) return {false, saved, 0};
       Put(model, trained, file);

@@ -64,7 +64,10 @@ bool IsRight(const Pose& X_CO, const LabelledView& view, ObjectId object,
 void VerifierTrainingOptions::Visit(SettingsVisitor& v) {
   v.Seed("seed", seed, "random seed of clutter scenes and weights");
   v.RenamedKey("piles", "clutter_scenes");
-  v.Integer("clutter_scenes", clutter_scenes, {1, 100000}, "number of clutter scenes per object");
+  v.Integer("clutter_scenes", clutter_scenes, {0, 100000}, "number of clutter scenes per object");
+  v.Integer("room_scenes", room_scenes, {0, 100000},
+            "number of rooms per object, of which every second has no object; 0 = no verifier for "
+            "unknown backgrounds");
   v.RenamedKey("views_per_pile", "views_per_scene");
   v.Integer("views_per_scene", views_per_scene, {1, 100}, "number of views of each clutter scene");
   v.Real("calibration_share", calibration_share, {0, 0.9},
@@ -116,22 +119,47 @@ bool IsPast(VerifierDeadlines::Time time) { return std::chrono::steady_clock::no
 
 }  // namespace
 
-std::vector<LabelledView> VerifierScenes(LabelledViewSource& views, ObjectId object, bool color,
-                                         const VerifierTrainingOptions& options,
-                                         const std::function<bool(double)>& on_share) {
+VerifierTrainingSet VerifierScenes(LabelledViewSource& views, ObjectId object, bool color,
+                                   const VerifierTrainingOptions& options,
+                                   const std::function<bool(double)>& on_share) {
   CheckSettings("VerifierTrainingOptions", options);
-  std::vector<LabelledView> all;
-  for (int i = 0; i < options.clutter_scenes; ++i) {
-    Rng rng = Rng::Derive(options.seed, i, "training/verifier_pile");
-    ClutterSceneRequest request{rng.Next(), options.views_per_scene, object, true};
-    for (LabelledView& view : views.ClutterScene(request)) {
-      // The colour image takes a third of the memory.
-      if (!color) view.frame.color = {};
-      all.push_back(std::move(view));
+  VerifierTrainingSet all;
+  bool go_on = true;
+  const double total = std::max(1, options.clutter_scenes + options.room_scenes);
+  const auto start = std::chrono::steady_clock::now();
+  // Appends views of scenes 0, 1, ... until there are enough, or its share of the time is over.
+  const auto append = [&](const char* stream, int scenes, int before, double time_share,
+                          const auto& surroundings, std::vector<LabelledView>& to) {
+    for (int i = 0; i < scenes && go_on; ++i) {
+      Rng rng = Rng::Derive(options.seed, i, stream);
+      const ClutterSceneRequest request{rng.Next(), options.views_per_scene, object, true,
+                                        surroundings(i)};
+      for (LabelledView& view : views.ClutterScene(request)) {
+        // The colour image takes a third of the memory.
+        if (!color) view.frame.color = {};
+        to.push_back(std::move(view));
+      }
+      go_on = on_share((before + i + 1) / total);
+      if (i + 1 < kMinScenes || !options.deadlines) continue;
+      const auto time = options.deadlines->views - start;
+      if (IsPast(start + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                             time_share * time))) {
+        break;
+      }
     }
-    if (!on_share(static_cast<double>(i + 1) / options.clutter_scenes)) break;
-    if (i + 1 >= kMinScenes && options.deadlines && IsPast(options.deadlines->views)) break;
-  }
+  };
+  const double clutter_share = options.clutter_scenes / total;
+  append(
+      "training/verifier_pile", options.clutter_scenes, 0, clutter_share,
+      [](int) { return Surroundings::kNone; }, all.clutter_scenes);
+  append(
+      "training/verifier_room", options.room_scenes, options.clutter_scenes, 1,
+      [](int i) {
+        return i % 2 == 1   ? Surroundings::kEmptyRoom
+               : i % 4 == 0 ? Surroundings::kRoomAndBin
+                            : Surroundings::kRoomNoBin;
+      },
+      all.rooms);
   return all;
 }
 
@@ -139,17 +167,16 @@ VerifierTrainingSet MakeVerifierTrainingSet(LabelledViewSource& views, ObjectId 
                                             const PatchForm& form,
                                             const VerifierTrainingOptions& options,
                                             const std::function<bool(double)>& on_share) {
-  CheckSettings("VerifierTrainingOptions", options);
   constexpr double kScenesShare = 0.8;  // approximate share of the time
-  VerifierTrainingSet training_set;
   bool go_on = true;
-  training_set.clutter_scenes =
+  VerifierTrainingSet training_set =
       VerifierScenes(views, object, form.channels == PatchChannels::kDepthColor, options,
                      [&](double share) { return go_on = on_share(kScenesShare * share); });
   if (!go_on) return training_set;
-  ForEachIsolatedBlock(views, object, form,
-                       CodeViews(training_set.clutter_scenes, object, options.entries),
-                       options.seed, [&](const LabelledPatches& patches, double share) {
+  const std::vector<LabelledView>& shown =
+      training_set.clutter_scenes.empty() ? training_set.rooms : training_set.clutter_scenes;
+  ForEachIsolatedBlock(views, object, form, CodeViews(shown, object, options.entries), options.seed,
+                       [&](const LabelledPatches& patches, double share) {
                          AppendAll(patches, training_set.codes);
                          return on_share(kScenesShare + (1 - kScenesShare) * share);
                        });
@@ -160,7 +187,8 @@ TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set,
                                     const std::shared_ptr<const ObjectModel>& model,
                                     const VerifierObject& wanted,
                                     const VerifierTrainingOptions& options,
-                                    const std::function<bool(double)>& on_share) {
+                                    const std::function<bool(double)>& on_share,
+                                    const TrainedVerifier* start) {
   ObjectCodes codes;
   codes.length = wanted.descriptor_length;
   AppendCodes(training_set.codes, wanted.voter.describe, codes);
@@ -172,59 +200,165 @@ TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set,
         mode));
     sources.push_back(finders.back().get());
   }
-  return TrainObjectVerifier(training_set.clutter_scenes, wanted.object, sources, options,
-                             on_share);
+  return TrainObjectVerifier(training_set, wanted.object, sources, options, on_share, start);
 }
 
-TrainedVerifier TrainObjectVerifier(const std::vector<LabelledView>& clutter_scenes,
-                                    ObjectId object,
-                                    std::span<const CandidateSource* const> sources,
-                                    const VerifierTrainingOptions& options,
-                                    const std::function<bool(double)>& on_share) {
-  CheckSettings("VerifierTrainingOptions", options);
-  const CandidateRefiner& candidate_refiner = sources.front()->candidate_refiner();
-  const std::vector<PoseDistance>& distances = candidate_refiner.distances();
-  VerifierExamples examples;
-  std::vector<std::vector<std::vector<Candidate>>> found(
-      clutter_scenes.size());  // by view and source
+namespace {
+
+// Trains and calibrates one network on some views.
+class NetworkTrainer {
+ public:
+  NetworkTrainer(const std::vector<LabelledView>& views, bool is_known, ObjectId object,
+                 std::span<const CandidateSource* const> sources,
+                 const VerifierTrainingOptions& options)
+      : views_(views),
+        is_known_(is_known),
+        object_(object),
+        sources_(sources),
+        refiner_(sources.front()->candidate_refiner()),
+        options_(options) {}
+
+  // Finds candidates in the views until `end`, if given. Returns false if stopped.
+  bool Find(const std::function<bool(double)>& on_share,
+            const std::optional<VerifierDeadlines::Time>& end);
+  bool HasRight() const {
+    const auto& right = examples_.right;
+    const auto end = right.begin() + static_cast<std::ptrdiff_t>(examples_.held_out_from > 0
+                                                                     ? examples_.held_out_from
+                                                                     : right.size());
+    return std::find(right.begin(), end, 1) != end;
+  }
+  TrainedNetwork Train() const {
+    return TrainVerifier(examples_, options_.verifier, options_.seed);
+  }
+  // Calibrates the uncalibrated verifier for the backgrounds of the views.
+  void CalibrateScores(Verifier& verifier) const;
+
+ private:
+  // A third of the rooms is searched as if no plane had been found, so that walls and tables give
+  // candidates, too.
+  OrganizedCloud CloudOf(size_t view) const {
+    CloudOptions options;
+    if (!is_known_ && view % 3 == 2) options.min_plane_share = 1;
+    return BuildCloud(views_[view].frame,
+                      is_known_ ? views_[view].background : std::optional<KnownBackground>(),
+                      options);
+  }
+
+  const std::vector<LabelledView>& views_;
+  bool is_known_;
+  ObjectId object_;
+  std::span<const CandidateSource* const> sources_;
+  const CandidateRefiner& refiner_;
+  const VerifierTrainingOptions& options_;
+  std::vector<std::vector<std::vector<Candidate>>> found_;  // by view and source
+  VerifierExamples examples_;
+  size_t learned_ = 0;  // views before the first that is held out
+};
+
+bool NetworkTrainer::Find(const std::function<bool(double)>& on_share,
+                          const std::optional<VerifierDeadlines::Time>& end) {
+  const char* stream = is_known_ ? "training/verifier_view" : "training/verifier_room_view";
   StageSeconds seconds;
-  size_t count = clutter_scenes.size();  // views that are used
-  std::vector<size_t> examples_until;    // number of examples after each view
+  size_t count = views_.size();        // views that are used
+  std::vector<size_t> examples_until;  // number of examples after each view
+  found_.resize(count);
   for (size_t i = 0; i < count; ++i) {
-    if (!on_share(static_cast<double>(i) / count)) return {};
-    Rng rng = Rng::Derive(options.seed, i, "training/verifier_view");
-    const OrganizedCloud cloud = BuildCloud(clutter_scenes[i].frame, clutter_scenes[i].background);
-    for (const CandidateSource* source : sources) {
-      for (const Candidate& candidate : found[i].emplace_back(source->Find(cloud, rng, seconds))) {
-        examples.features.push_back(candidate.features);
-        examples.right.push_back(
-            IsRight(candidate.hypothesis.X_CO, clutter_scenes[i], object, distances.front()));
+    if (!on_share(static_cast<double>(i) / count)) return false;
+    Rng rng = Rng::Derive(options_.seed, i, stream);
+    const OrganizedCloud cloud = CloudOf(i);
+    for (const CandidateSource* source : sources_) {
+      for (const Candidate& candidate : found_[i].emplace_back(source->Find(cloud, rng, seconds))) {
+        examples_.features.push_back(candidate.features);
+        examples_.right.push_back(
+            IsRight(candidate.hypothesis.X_CO, views_[i], object_, refiner_.distances().front()));
       }
     }
-    examples_until.push_back(examples.features.size());
+    examples_until.push_back(examples_.features.size());
     const bool is_enough =
-        i + 1 >= static_cast<size_t>(kMinScenes) * options.views_per_scene || i + 1 == count;
-    if (is_enough && options.deadlines && IsPast(options.deadlines->candidates)) count = i + 1;
+        i + 1 >= static_cast<size_t>(kMinScenes) * options_.views_per_scene || i + 1 == count;
+    if (is_enough && end && IsPast(*end)) count = i + 1;
   }
-  const size_t learned = count - static_cast<size_t>(options.calibration_share * count);
-  if (learned > 0) examples.held_out_from = examples_until[learned - 1];
-  TrainedVerifier trained = TrainVerifier(examples, options.verifier, options.seed);
-  std::vector<std::vector<ScoredPose>> reported(sources.size());
-  for (size_t i = learned; i < count; ++i) {
-    const OrganizedCloud cloud = BuildCloud(clutter_scenes[i].frame, clutter_scenes[i].background);
-    for (size_t s = 0; s < sources.size(); ++s) {
+  found_.resize(count);
+  learned_ = count - static_cast<size_t>(options_.calibration_share * count);
+  if (learned_ > 0) examples_.held_out_from = examples_until[learned_ - 1];
+  return true;
+}
+
+void NetworkTrainer::CalibrateScores(Verifier& verifier) const {
+  using Reported = std::array<std::vector<ScoredPose>, kCandidateModes>;
+  std::array<Reported, kBackgroundKinds> reported;
+  for (size_t i = learned_; i < found_.size(); ++i) {
+    const OrganizedCloud cloud = CloudOf(i);
+    for (size_t s = 0; s < sources_.size(); ++s) {
       PoseSelectionOptions all;
       all.min_score = kNoScore;
-      const auto set = SelectPoses(cloud, candidate_refiner.model_points(), distances,
-                                   {&trained.verifier, 1}, found[i][s], all);
-      const auto judged = Judge(set, clutter_scenes[i], object, distances.front());
-      reported[s].insert(reported[s].end(), judged.begin(), judged.end());
+      const auto set = SelectPoses(cloud, refiner_.model_points(), refiner_.distances(),
+                                   {&verifier, 1}, found_[i][s], all);
+      const auto judged = Judge(set, views_[i], object_, refiner_.distances().front());
+      const BackgroundKind kind = is_known_ ? BackgroundKind::kKnown : cloud.background;
+      auto& poses = reported[static_cast<size_t>(kind)][s];
+      poses.insert(poses.end(), judged.begin(), judged.end());
     }
   }
-  auto& calibrations = trained.verifier.calibrations;
-  for (size_t mode = 0; mode < calibrations.size(); ++mode) {
-    calibrations[mode] = mode < sources.size() ? Calibrate(reported[mode]) : calibrations[0];
+  const auto known = static_cast<size_t>(BackgroundKind::kKnown);
+  for (size_t kind = 0; kind < kBackgroundKinds; ++kind) {
+    if ((kind == known) != is_known_) continue;
+    auto& calibrations = verifier.calibrations[kind];
+    for (size_t mode = 0; mode < calibrations.size(); ++mode) {
+      calibrations[mode] =
+          mode < sources_.size() ? Calibrate(reported[kind][mode]) : calibrations[0];
+    }
   }
+}
+
+}  // namespace
+
+TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set, ObjectId object,
+                                    std::span<const CandidateSource* const> sources,
+                                    const VerifierTrainingOptions& options,
+                                    const std::function<bool(double)>& on_share,
+                                    const TrainedVerifier* start) {
+  CheckSettings("VerifierTrainingOptions", options);
+  const double scenes = static_cast<double>(training_set.clutter_scenes.size());
+  const double clutter_share =
+      scenes / std::max(1.0, scenes + static_cast<double>(training_set.rooms.size()));
+  TrainedVerifier trained;
+  std::optional<VerifierDeadlines::Time> end;
+  if (options.deadlines) end = options.deadlines->candidates;
+  if (training_set.clutter_scenes.empty()) {
+    CheckInput(start != nullptr, "the verifier needs clutter scenes; raise clutter_scenes");
+    trained = *start;
+  } else {
+    NetworkTrainer known(training_set.clutter_scenes, true, object, sources, options);
+    std::optional<VerifierDeadlines::Time> clutter_end = end;
+    if (end) {
+      const auto now = std::chrono::steady_clock::now();
+      clutter_end = now + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                              clutter_share * (*end - now));
+    }
+    if (!known.Find([&](double share) { return on_share(clutter_share * share); }, clutter_end)) {
+      return {};
+    }
+    const TrainedNetwork network = known.Train();
+    trained.verifier.known = trained.verifier.unknown = network.network;
+    trained.auc = network.auc;
+    known.CalibrateScores(trained.verifier);
+  }
+  const auto& known_calibrations = trained.verifier.calibrations.front();
+  NetworkTrainer unknown(training_set.rooms, false, object, sources, options);
+  const auto on_second = [&](double share) {
+    return on_share(clutter_share + (1 - clutter_share) * share);
+  };
+  if (!unknown.Find(on_second, end)) return {};
+  if (!unknown.HasRight()) {
+    trained.verifier.unknown = trained.verifier.known;
+    trained.verifier.calibrations.fill(known_calibrations);
+    return trained;
+  }
+  trained.verifier.unknown = unknown.Train().network;
+  for (size_t kind = 1; kind < kBackgroundKinds; ++kind) trained.verifier.calibrations[kind] = {};
+  unknown.CalibrateScores(trained.verifier);
   return trained;
 }
 

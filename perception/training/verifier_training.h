@@ -1,9 +1,11 @@
 #pragma once
 
-// Trains the verifier of one object on the estimator's own candidates, in all modes, from clutter
-// scenes that contain the object. Ground truth labels the candidates right or wrong. Then the score
-// is calibrated for each mode on the poses that remain after pose selection: logistic calibration
-// (Platt 1999).
+// Trains the verifier of one object on the estimator's own candidates, in all modes. The network
+// for known backgrounds learns from clutter scenes that contain the object. The network for unknown
+// backgrounds learns from rooms, of which every second is empty: all candidates there are the
+// estimator's own false positives. Ground truth labels the candidates right or wrong. Then the
+// score is calibrated for each background and mode on the poses that remain after pose selection:
+// logistic calibration (Platt 1999).
 
 #include <chrono>
 #include <functional>
@@ -30,7 +32,8 @@ struct VerifierDeadlines {
 
 struct VerifierTrainingOptions {
   uint64_t seed = 0;
-  int clutter_scenes = 24;
+  int clutter_scenes = 24;  // 0 = keep the network for known backgrounds that is given
+  int room_scenes = 12;     // 0 = the network for known backgrounds is used for all
   int views_per_scene = 3;
   double calibration_share = 0.3;  // last share of the views, used for AUC and calibration
   VerifierOptions verifier;
@@ -52,6 +55,7 @@ struct VerifierObject {
 // Training set of a verifier, as far as it can be made without the network.
 struct VerifierTrainingSet {
   std::vector<LabelledView> clutter_scenes;  // views of clutter scenes that contain the object
+  std::vector<LabelledView> rooms;           // views of rooms, with and without the object
   LabelledPatches codes;                     // patches of the object's codebook
 };
 
@@ -62,29 +66,32 @@ VerifierTrainingSet MakeVerifierTrainingSet(LabelledViewSource& views, ObjectId 
                                             const VerifierTrainingOptions& options,
                                             const std::function<bool(double share)>& on_share);
 
-// Returns views of clutter scenes that contain the object, without colour images unless `color` is
-// set. on_share receives the progress, 0..1, and returns false to stop; there are then fewer views.
-std::vector<LabelledView> VerifierScenes(LabelledViewSource& views, ObjectId object, bool color,
-                                         const VerifierTrainingOptions& options,
-                                         const std::function<bool(double share)>& on_share);
+// Returns the views of clutter scenes and rooms, without colour images unless `color` is set.
+// on_share receives the progress, 0..1, and returns false to stop; there are then fewer views.
+VerifierTrainingSet VerifierScenes(LabelledViewSource& views, ObjectId object, bool color,
+                                   const VerifierTrainingOptions& options,
+                                   const std::function<bool(double share)>& on_share);
 
 // Trains and calibrates the verifier of `object`, an index into the objects of the view source.
+// Without clutter scenes, the network for known backgrounds is the one of `start`. Without rooms,
+// or if no candidate in them is right, it is used for all backgrounds.
 // `sources` has one source per mode, in the order of CandidateMode. They look only for this object,
 // so their candidates have object index 0. Modes without a source get the calibration of the first.
 // on_share receives the progress, 0..1, and returns false to stop; the result is then incomplete.
 // Throws InputError if all candidates are right or all are wrong.
-TrainedVerifier TrainObjectVerifier(const std::vector<LabelledView>& clutter_scenes,
-                                    ObjectId object,
+TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set, ObjectId object,
                                     std::span<const CandidateSource* const> sources,
                                     const VerifierTrainingOptions& options,
-                                    const std::function<bool(double share)>& on_share);
+                                    const std::function<bool(double share)>& on_share,
+                                    const TrainedVerifier* start = nullptr);
 
 // The same with candidates from learned descriptors.
 TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set,
                                     const std::shared_ptr<const ObjectModel>& model,
                                     const VerifierObject& wanted,
                                     const VerifierTrainingOptions& options,
-                                    const std::function<bool(double share)>& on_share);
+                                    const std::function<bool(double share)>& on_share,
+                                    const TrainedVerifier* start = nullptr);
 
 // Score of a reported pose, and whether the pose is right.
 struct ScoredPose {

@@ -239,7 +239,7 @@ float EvidenceMargin(double log_ratio, double rival_log_ratio) {
   return static_cast<float>(nats / (std::abs(nats) + kHalf));
 }
 
-double Verifier::Score(const VerifyFeatures& features, CandidateMode mode) const {
+float VerifierNetwork::Logit(const VerifyFeatures& features) const {
   float logit = b2;
   for (Eigen::Index unit = 0; unit < w1.rows(); ++unit) {
     float sum = b1[unit];
@@ -248,8 +248,15 @@ double Verifier::Score(const VerifyFeatures& features, CandidateMode mode) const
     }
     logit += w2[unit] * std::tanh(sum);
   }
-  const Calibration& calibration = calibrations[static_cast<size_t>(mode)];
-  logit = calibration.scale * logit + calibration.shift;
+  return logit;
+}
+
+double Verifier::Score(const VerifyFeatures& features, CandidateMode mode,
+                       BackgroundKind background) const {
+  const VerifierNetwork& network = background == BackgroundKind::kKnown ? known : unknown;
+  const Calibration& calibration =
+      calibrations[static_cast<size_t>(background)][static_cast<size_t>(mode)];
+  const float logit = calibration.scale * network.Logit(features) + calibration.shift;
   return 1.0 / (1.0 + std::exp(-static_cast<double>(logit)));
 }
 

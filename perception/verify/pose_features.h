@@ -99,16 +99,26 @@ struct Calibration {
 };
 
 // Multilayer perceptron with one hidden tanh layer and standardised inputs.
-struct Verifier {
+struct VerifierNetwork {
   Eigen::VectorXf mean, scale;  // per feature; input i is (feature - mean) / scale
   Eigen::MatrixXf w1;           // hidden x features
   Eigen::VectorXf b1, w2;       // one per hidden unit
   float b2 = 0;
-  // One per mode. In a mode that finds fewer right poses, more candidates with the same features
-  // are wrong.
-  std::array<Calibration, kCandidateModes> calibrations;
+  // Returns the logit of the probability that the pose is right, before calibration.
+  float Logit(const VerifyFeatures& features) const;
+};
+
+// Verifier of one object: a network for images with a known background and one for all others. A
+// given bin excludes most of what could be mistaken for an object, so the same features mean less
+// without it.
+struct Verifier {
+  VerifierNetwork known, unknown;
+  // By background and mode. In a mode that finds fewer right poses, more candidates with the same
+  // features are wrong.
+  std::array<std::array<Calibration, kCandidateModes>, kBackgroundKinds> calibrations;
   // Returns the probability that the pose is right.
-  double Score(const VerifyFeatures& features, CandidateMode mode = CandidateMode::kAccurate) const;
+  double Score(const VerifyFeatures& features, CandidateMode mode = CandidateMode::kAccurate,
+               BackgroundKind background = BackgroundKind::kKnown) const;
 };
 
 }  // namespace pickbed::perception

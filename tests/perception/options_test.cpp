@@ -115,7 +115,7 @@ TEST(PerceptionOptions, ValuesOutOfRangeAreRefused) {
       {"learning_rate", Planted<VerifierOptions>([](auto& o) { o.learning_rate = kNotANumber; },
                                                  [](auto& o) { TrainVerifier({}, o, 0); })},
       {"clutter_scenes",
-       Planted<VerifierTrainingOptions>([](auto& o) { o.clutter_scenes = 0; }, verify)},
+       Planted<VerifierTrainingOptions>([](auto& o) { o.clutter_scenes = -1; }, verify)},
       {"verifier.batch", Planted<VerifierTrainingOptions>([](auto& o) { o.verifier.batch = 0; },
                                                           [&](auto& o) {
                                                             MakeVerifierTrainingSet(
@@ -125,7 +125,7 @@ TEST(PerceptionOptions, ValuesOutOfRangeAreRefused) {
        Planted<VerifierTrainingOptions>([](auto& o) { o.calibration_share = 1; },
                                         [&](auto& o) {
                                           TrainObjectVerifier(
-                                              std::vector<LabelledView>(), ObjectId{0},
+                                              VerifierTrainingSet(), ObjectId{0},
                                               std::span<const CandidateSource* const>(), o, {});
                                         })},
       {"rehearsal", Planted<TrainingOptions>([](auto& o) { o.rehearsal = kNotANumber; }, train)},

@@ -168,6 +168,8 @@ int EstimateImage(const ScenarioRequest& arguments, const ImageArguments& image,
     if (region) KeepPosesIn(*region, read.frame.intrinsics, objects, result.hypotheses);
   }
   if (result.failure) facts.warnings.push_back(result.failure->text);
+  facts.warnings.insert(facts.warnings.end(), result.domain_warnings.begin(),
+                        result.domain_warnings.end());
   if (!result.has_background) {
     facts.warnings.push_back(
         "no table, floor or bin was recognised: poses on it may have high scores");

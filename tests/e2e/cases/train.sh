@@ -3,7 +3,7 @@
 training_resumes_after_an_interrupt() {
   local quick=(--set clutter_scenes=2 --set views_per_scene=1 --set iterations=80 --set batch=64
     --set checkpoint_every=5 --set held_out.clutter_scenes=1 --set held_out.book_views=20
-    --set held_out.queries=50 --set held_out.every=40 --set verifier_clutter_scenes=2
+    --set held_out.queries=50 --set held_out.every=40 --set verifier_clutter_scenes=2 --set verifier_room_scenes=2
     --set verifier_entries=1000 --set verifier.iterations=100 --set candidates.points=300
     --set candidates.min_points=100 --set candidates.candidates=100)
   local short=(rod "${quick[@]}")

@@ -10,12 +10,13 @@ namespace {
 // A verifier whose score increases with feature 0 only: 0.5 at 0.
 Verifier ByFirstFeature() {
   Verifier v;
-  v.mean = Eigen::VectorXf::Zero(kVerifyFeatures);
-  v.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
-  v.w1 = Eigen::MatrixXf::Zero(1, kVerifyFeatures);
-  v.w1(0, 0) = 1;
-  v.b1 = Eigen::VectorXf::Zero(1);
-  v.w2 = Eigen::VectorXf::Constant(1, 4);
+  v.known.mean = Eigen::VectorXf::Zero(kVerifyFeatures);
+  v.known.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
+  v.known.w1 = Eigen::MatrixXf::Zero(1, kVerifyFeatures);
+  v.known.w1(0, 0) = 1;
+  v.known.b1 = Eigen::VectorXf::Zero(1);
+  v.known.w2 = Eigen::VectorXf::Constant(1, 4);
+  v.unknown = v.known;
   return v;
 }
 
@@ -57,7 +58,7 @@ TEST_F(SelectedPosesOfABracket, ScoreIsFromTheVerifierAndMinScoreApplies) {
 }
 
 TEST_F(SelectedPosesOfABracket, ScoreUsesTheRequestedMode) {
-  verifiers_[0].calibrations[1] = {1, -3};
+  for (auto& modes : verifiers_[0].calibrations) modes[1] = {1, -3};
   PoseSelectionOptions options;
   options.mode = CandidateMode::kFast;
   options.min_score = 0;

@@ -34,6 +34,7 @@ TrainingOptions Untrained(const std::string& channels) {
   options.positive_pairs.patches_per_view = 60;
   options.iterations = 0;
   options.verifier_clutter_scenes = 2;
+  options.verifier_room_scenes = 0;
   options.verifier_entries = 400;
   options.verifier.iterations = 50;
   options.candidates.points = 40;

@@ -37,6 +37,7 @@ class Descriptor : public testing::Test {
     options.iterations = 220;
     options.batch = 64;
     options.verifier_clutter_scenes = 6;
+    options.verifier_room_scenes = 0;
     options.network.descriptor = 16;
     options.loss.kind = "infonce";
     options.candidates.points = 150;

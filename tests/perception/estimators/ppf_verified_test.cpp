@@ -35,6 +35,7 @@ VerifiedPpfOptions Options() {
 VerifierTrainingOptions TinyTraining() {
   VerifierTrainingOptions options;
   options.clutter_scenes = 3;
+  options.room_scenes = 0;
   options.views_per_scene = 1;
   options.verifier.iterations = 300;
   return options;

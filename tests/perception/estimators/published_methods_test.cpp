@@ -31,6 +31,7 @@ TrainingOptions Quick(const std::string& method) {
   options.iterations = 240;
   options.batch = 64;
   options.verifier_clutter_scenes = 6;
+  options.verifier_room_scenes = 0;
   options.network.descriptor = 16;
   options.candidates.points = 150;
   options.candidates.candidates = 120;
@@ -96,6 +97,7 @@ TEST_P(PublishedMethod, SameSeedSameFileAndOtherMethodIsRefused) {
   options.iterations = 6;
   options.clutter_scenes = 3;
   options.verifier_clutter_scenes = 2;
+  options.verifier_room_scenes = 0;
   Train("a.pt", options);
   Train("b.pt", options);
   EXPECT_EQ(ReadFileBytes(folder_ / "a.pt"), ReadFileBytes(folder_ / "b.pt"));
@@ -119,6 +121,7 @@ TEST(UnionOfVotes, EachPatchCastsVotesOfBothNetworks) {
     options.iterations = 6;
     options.clutter_scenes = 3;
     options.verifier_clutter_scenes = 2;
+    options.verifier_room_scenes = 0;
     options.patch_diameters = diameters;
     TrainDescriptor({views, temporary.path() / name, {}, false, {}, "test", {}}, options);
   };

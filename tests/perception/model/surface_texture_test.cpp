@@ -157,11 +157,12 @@ TEST_F(TexturedSlab, VertexColoursAreSupported) {
 
 TEST_F(TexturedSlab, DistractorOfTheSameShapeScoresLess) {
   Verifier sure;  // score 0.95 for any features
-  sure.mean = Eigen::VectorXf::Zero(kVerifyFeatures);
-  sure.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
-  sure.w1 = Eigen::MatrixXf::Zero(1, kVerifyFeatures);
-  sure.b1 = sure.w2 = Eigen::VectorXf::Zero(1);
-  sure.b2 = 3;
+  sure.known.mean = Eigen::VectorXf::Zero(kVerifyFeatures);
+  sure.known.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
+  sure.known.w1 = Eigen::MatrixXf::Zero(1, kVerifyFeatures);
+  sure.known.b1 = sure.known.w2 = Eigen::VectorXf::Zero(1);
+  sure.known.b2 = 3;
+  sure.unknown = sure.known;
   Candidate candidate;
   candidate.hypothesis.X_CO = X_CO_;
   const PoseDistance distance(*object_);

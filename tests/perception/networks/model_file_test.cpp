@@ -30,12 +30,15 @@ class ModelFile : public testing::Test {
     info.objects = {{"test part", objects_[0]->mesh_hash, 0.08, 0.064}};
     info.network.descriptor = 8;
     Verifier verifier;
-    verifier.mean = Eigen::VectorXf::LinSpaced(kVerifyFeatures, 0, 1);
-    verifier.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
-    verifier.w1 = Eigen::MatrixXf::Random(24, kVerifyFeatures);
-    verifier.b1 = Eigen::VectorXf::LinSpaced(24, -1, 1);
-    verifier.w2 = Eigen::VectorXf::LinSpaced(24, 1, -1);
-    verifier.b2 = 0.25f;
+    verifier.known.mean = Eigen::VectorXf::LinSpaced(kVerifyFeatures, 0, 1);
+    verifier.known.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
+    verifier.known.w1 = Eigen::MatrixXf::Random(24, kVerifyFeatures);
+    verifier.known.b1 = Eigen::VectorXf::LinSpaced(24, -1, 1);
+    verifier.known.w2 = Eigen::VectorXf::LinSpaced(24, 1, -1);
+    verifier.known.b2 = 0.25f;
+    verifier.unknown = verifier.known;
+    verifier.unknown.b2 = -0.5f;
+    verifier.calibrations[1][1] = {0.5f, -1};
     SaveModel(file, info, DescriptorNetwork(info.network, 3), {verifier});
     verifier_ = verifier;
     return file;
@@ -52,7 +55,13 @@ TEST_F(ModelFile, RoundTripKeepsVerifierAndWeights) {
   EXPECT_EQ(model.network.Weights(), DescriptorNetwork({"convolutional", 8}, 3).Weights());
   VerifyFeatures features{};
   features[3] = 0.7f;
-  EXPECT_EQ(model.verifiers.at(0).Score(features), verifier_.Score(features));
+  for (const auto background :
+       {BackgroundKind::kKnown, BackgroundKind::kFitted, BackgroundKind::kNone}) {
+    for (const auto mode : {CandidateMode::kAccurate, CandidateMode::kFast}) {
+      EXPECT_EQ(model.verifiers.at(0).Score(features, mode, background),
+                verifier_.Score(features, mode, background));
+    }
+  }
 }
 
 TEST_F(ModelFile, RoundTripKeepsAColourNetwork) {
@@ -118,7 +127,7 @@ TEST_F(ModelFile, PyTorchArchivesAreRefusedUnread) {
 // One hidden unit that uses only the first two features.
 TEST(VerifierValues, FewerFeaturesMeanTheFirstOnes) {
   const std::vector<float> values{0.5f, 1, 2, 4, 3, -1, 0.1f, 2, 0.25f, 1, 0};
-  const Verifier verifier = VerifiersFrom(values, 1, {2, 1}).at(0);
+  const Verifier verifier = VerifiersFrom(values, 1, {2, 1, false}).at(0);
   VerifyFeatures features{};
   features[0] = 0.7f;
   features[1] = 2;
@@ -129,7 +138,10 @@ TEST(VerifierValues, FewerFeaturesMeanTheFirstOnes) {
   EXPECT_NEAR(verifier.Score(features), expected, 1e-6);
   EXPECT_NEAR(verifier.Score(features, CandidateMode::kFast), expected, 1e-6)
       << "a single calibration applies to all modes";
-  EXPECT_THAT(ErrorOf([&] { VerifiersFrom(values, 1, {3, 1}); }), HasSubstr("another shape"));
+  EXPECT_THAT(ErrorOf([&] {
+                VerifiersFrom(values, 1, {3, 1, false});
+              }),
+              HasSubstr("another shape"));
 }
 
 // A mesh with other colours on both sides of an edge has more vertices there.

@@ -10,13 +10,15 @@ namespace {
 TrainedVerifier AVerifier(float bias, double auc) {
   constexpr int kHidden = 3;
   Verifier v;
-  v.mean = Eigen::VectorXf::LinSpaced(kVerifyFeatures, 0, 1);
-  v.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
-  v.w1 = Eigen::MatrixXf::Constant(kHidden, kVerifyFeatures, 0.1f);
-  v.b1 = Eigen::VectorXf::LinSpaced(kHidden, -1, 1);
-  v.w2 = Eigen::VectorXf::LinSpaced(kHidden, 1, 2);
-  v.b2 = bias;
-  v.calibrations = {{{1.5f, 0.5f}, {0.5f, -0.5f}}};
+  v.known.mean = Eigen::VectorXf::LinSpaced(kVerifyFeatures, 0, 1);
+  v.known.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
+  v.known.w1 = Eigen::MatrixXf::Constant(kHidden, kVerifyFeatures, 0.1f);
+  v.known.b1 = Eigen::VectorXf::LinSpaced(kHidden, -1, 1);
+  v.known.w2 = Eigen::VectorXf::LinSpaced(kHidden, 1, 2);
+  v.known.b2 = bias;
+  v.unknown = v.known;
+  v.unknown.b2 = -bias;
+  for (auto& modes : v.calibrations) modes = {{{1.5f, 0.5f}, {0.5f, -0.5f}}};
   return {v, auc};
 }
 

@@ -35,6 +35,7 @@ TrainingOptions TinyOptions() {
   options.iterations = 24;
   options.batch = 24;
   options.verifier_clutter_scenes = 2;
+  options.verifier_room_scenes = 2;
   options.checkpoint_every = 8;
   options.network.descriptor = 8;
   options.verifier.iterations = 50;
@@ -97,7 +98,7 @@ TEST_F(Training, LossFallsAndTheFileDescribesTheTraining) {
   EXPECT_EQ(model.info.objects[0].mesh_hash, views_.objects()[0]->mesh_hash);
   EXPECT_EQ(model.info.objects[0].diameter_m, views_.objects()[0]->diameter_m);
   ASSERT_EQ(model.verifiers.size(), 1u);
-  EXPECT_EQ(model.verifiers[0].w1.cols(), kVerifyFeatures);
+  EXPECT_EQ(model.verifiers[0].known.w1.cols(), kVerifyFeatures);
   EXPECT_LT(std::filesystem::file_size(job.model_file), 1u << 20);
 }
 

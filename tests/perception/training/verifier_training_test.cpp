@@ -23,13 +23,13 @@ TEST(TrainVerifier, LearnsASeparableRuleAndRefusesOneSidedExamples) {
   examples.held_out_from = 1200;
   VerifierOptions options;
   options.iterations = 400;
-  const TrainedVerifier trained = TrainVerifier(examples, options, 0);
+  const TrainedNetwork trained = TrainVerifier(examples, options, 0);
   EXPECT_GT(trained.auc, 0.95);
   VerifyFeatures right{};
   right[0] = right[1] = 1.5f;
-  EXPECT_GT(trained.verifier.Score(right), 0.8);
+  EXPECT_GT(trained.network.Logit(right), 1.4);
   right[1] = -1.5f;
-  EXPECT_LT(trained.verifier.Score(right), 0.2);
+  EXPECT_LT(trained.network.Logit(right), -1.4);
   examples.right.assign(examples.right.size(), 1);
   EXPECT_THROW(TrainVerifier(examples, options, 0), InputError);
 }
@@ -74,13 +74,15 @@ TEST(TrainObjectVerifier, LearnsFromTheCandidatesOfAllSources) {
   RayCastViews views({ObjectOf(BracketMesh())});
   VerifierTrainingOptions options;
   options.clutter_scenes = 6;
+  options.room_scenes = 0;
   options.verifier.iterations = 200;
   const auto go_on = [](double) { return true; };
-  const auto clutter_scenes = VerifierScenes(views, ObjectId{0}, /*color=*/false, options, go_on);
+  const auto set = VerifierScenes(views, ObjectId{0}, /*color=*/false, options, go_on);
+  const auto& clutter_scenes = set.clutter_scenes;
   const Shifted right(views.objects(), clutter_scenes, 0),
       wrong(views.objects(), clutter_scenes, 0.05);
   const auto train = [&](std::vector<const CandidateSource*> sources) {
-    return TrainObjectVerifier(clutter_scenes, ObjectId{0}, sources, options, go_on);
+    return TrainObjectVerifier(set, ObjectId{0}, sources, options, go_on);
   };
   EXPECT_THROW(train({&right}), InputError);
   EXPECT_THROW(train({&wrong}), InputError);
@@ -92,17 +94,116 @@ TEST(TrainObjectVerifier, CalibratesEachModeByItsOwnCandidates) {
   RayCastViews views({ObjectOf(BracketMesh())});
   VerifierTrainingOptions options;
   options.clutter_scenes = 20;
+  options.room_scenes = 0;
   options.verifier.iterations = 200;
   const auto go_on = [](double) { return true; };
-  const auto clutter_scenes = VerifierScenes(views, ObjectId{0}, /*color=*/false, options, go_on);
+  const auto set = VerifierScenes(views, ObjectId{0}, /*color=*/false, options, go_on);
+  const auto& clutter_scenes = set.clutter_scenes;
   const Shifted often(views.objects(), clutter_scenes, 0.05, 0.2, 0.5f);
   const Shifted seldom(views.objects(), clutter_scenes, 0.05, 0.8, 0.5f);
   const std::vector<const CandidateSource*> sources{&often, &seldom};
-  const Verifier verifier =
-      TrainObjectVerifier(clutter_scenes, ObjectId{0}, sources, options, go_on).verifier;
+  const Verifier verifier = TrainObjectVerifier(set, ObjectId{0}, sources, options, go_on).verifier;
   const VerifyFeatures features{};
   EXPECT_GT(verifier.Score(features, CandidateMode::kAccurate), 0.6);
   EXPECT_LT(verifier.Score(features, CandidateMode::kFast), 0.4);
+}
+
+// Finds the true poses and shifted ones. Feature 0 separates them, in images without a known
+// background with the opposite sign.
+class SignByBackground : public CandidateSource {
+ public:
+  explicit SignByBackground(const ObjectSet& objects,
+                            const std::vector<LabelledInstance>& instances)
+      : candidate_refiner_(objects, {}), instances_(instances) {}
+
+  std::vector<Candidate> Find(const OrganizedCloud& cloud, Rng& rng, StageSeconds&,
+                              EstimateTrace*) const override {
+    const float sign = cloud.background == BackgroundKind::kKnown ? 1.0f : -1.0f;
+    std::vector<Candidate> found;
+    for (int i = 0; i < 20; ++i) {
+      const LabelledInstance& instance = instances_[i % instances_.size()];
+      Candidate& candidate = found.emplace_back();
+      const double shift_m = i % 2 == 0 ? 0.05 : 0;
+      candidate.hypothesis.X_CO = Translation({shift_m, 0, 0}) * instance.X_CO;
+      for (float& feature : candidate.features) feature = static_cast<float>(rng.Normal());
+      candidate.features[0] += sign * (shift_m > 0 ? -3.0f : 3.0f);
+    }
+    return found;
+  }
+  const CandidateRefiner& candidate_refiner() const override { return candidate_refiner_; }
+
+ private:
+  CandidateRefiner candidate_refiner_;
+  std::vector<LabelledInstance> instances_;
+};
+
+// Images without a known background have a network of their own, and rooms without a right pose do
+// not change it.
+TEST(TrainObjectVerifier, LearnsUnknownBackgroundsFromRooms) {
+  RayCastViews views({ObjectOf(BracketMesh())});
+  VerifierTrainingOptions options;
+  options.clutter_scenes = options.room_scenes = 6;
+  options.views_per_scene = 1;
+  options.verifier.iterations = 200;
+  const auto go_on = [](double) { return true; };
+  const LabelledView view = views.ClutterScene({1, 1, ObjectId{0}}).front();
+  VerifierTrainingSet set;
+  set.clutter_scenes.assign(6, view);
+  KnownBackground background;
+  background.bin.inner_size_m = {5, 5, 5};
+  background.X_CB = Translation({0, 0, -1});
+  for (LabelledView& known : set.clutter_scenes) known.background = background;
+  const SignByBackground source(views.objects(), view.instances);
+  const std::vector<const CandidateSource*> sources{&source};
+  const auto train = [&] {
+    return TrainObjectVerifier(set, ObjectId{0}, sources, options, go_on).verifier;
+  };
+  VerifyFeatures high{};
+  high[0] = 3;
+  const Verifier without = train();
+  EXPECT_GT(without.Score(high), 0.8);
+  EXPECT_EQ(without.Score(high, CandidateMode::kFast, BackgroundKind::kNone),
+            without.Score(high, CandidateMode::kFast));
+  set.rooms.assign(6, view);
+  const Verifier with = train();
+  EXPECT_EQ(with.Score(high), without.Score(high));
+  EXPECT_LT(std::min(with.Score(high, CandidateMode::kAccurate, BackgroundKind::kNone),
+                     with.Score(high, CandidateMode::kAccurate, BackgroundKind::kFitted)),
+            0.2);
+  for (LabelledView& room : set.rooms) room.instances.clear();
+  EXPECT_EQ(train().Score(high, CandidateMode::kAccurate, BackgroundKind::kNone),
+            without.Score(high));
+}
+
+// Without clutter scenes, what is known about given backgrounds is kept.
+TEST(TrainObjectVerifier, KeepsTheKnownNetwork) {
+  RayCastViews views({ObjectOf(BracketMesh())});
+  VerifierTrainingOptions options;
+  options.verifier.iterations = 200;
+  const auto go_on = [](double) { return true; };
+  const LabelledView view = views.ClutterScene({1, 1, ObjectId{0}}).front();
+  VerifierTrainingSet set;
+  set.rooms.assign(6, view);
+  const SignByBackground source(views.objects(), view.instances);
+  const std::vector<const CandidateSource*> sources{&source};
+  TrainedVerifier start;
+  start.auc = 0.75;
+  start.verifier.known.mean = Eigen::VectorXf::Zero(kVerifyFeatures);
+  start.verifier.known.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
+  start.verifier.known.w1 = Eigen::MatrixXf::Zero(1, kVerifyFeatures);
+  start.verifier.known.b1 = start.verifier.known.w2 = Eigen::VectorXf::Zero(1);
+  start.verifier.known.b2 = 0.7f;
+  start.verifier.unknown = start.verifier.known;
+  EXPECT_THROW(TrainObjectVerifier(set, ObjectId{0}, sources, options, go_on), InputError);
+  const TrainedVerifier kept =
+      TrainObjectVerifier(set, ObjectId{0}, sources, options, go_on, &start);
+  EXPECT_EQ(kept.auc, 0.75);
+  EXPECT_EQ(kept.verifier.Score({}), start.verifier.Score({}));
+  VerifyFeatures low{};
+  low[0] = -3;
+  EXPECT_GT(std::max(kept.verifier.Score(low, CandidateMode::kAccurate, BackgroundKind::kNone),
+                     kept.verifier.Score(low, CandidateMode::kAccurate, BackgroundKind::kFitted)),
+            0.7);
 }
 
 // An overconfident verifier: Newton's whole steps would diverge to scales of thousands.

@@ -86,11 +86,12 @@ TEST_F(RowsOfCubes, DistractorTakesNoPlaceInTheCount) {
   PaintAll(kRed);
   Paint(2, kGrey);
   Verifier even;  // score 0.95 for all candidates
-  even.mean = Eigen::VectorXf::Zero(kVerifyFeatures);
-  even.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
-  even.w1 = Eigen::MatrixXf::Zero(1, kVerifyFeatures);
-  even.b1 = even.w2 = Eigen::VectorXf::Zero(1);
-  even.b2 = 3;
+  even.known.mean = Eigen::VectorXf::Zero(kVerifyFeatures);
+  even.known.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
+  even.known.w1 = Eigen::MatrixXf::Zero(1, kVerifyFeatures);
+  even.known.b1 = even.known.w2 = Eigen::VectorXf::Zero(1);
+  even.known.b2 = 3;
+  even.unknown = even.known;
   std::vector<Candidate> candidates(kCubes);
   for (int i = 0; i < kCubes; ++i) candidates[i].hypothesis.X_CO = hypotheses_[i].X_CO;
   PoseSelectionOptions options;

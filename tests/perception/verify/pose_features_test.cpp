@@ -256,31 +256,37 @@ TEST(Verifier, ScoreEqualsTheFormula) {
     for (float& x : m.reshaped()) x = static_cast<float>(rng.Normal());
     return m;
   };
-  v.mean = random(kVerifyFeatures, 1);
-  v.scale = random(kVerifyFeatures, 1).cwiseAbs().array() + 0.5f;
-  v.w1 = random(24, kVerifyFeatures);
-  v.b1 = random(24, 1);
-  v.w2 = random(24, 1);
-  v.b2 = 0.3f;
-  v.calibrations = {{{0.4f, -0.2f}, {0.7f, 0.1f}}};  // accurate, fast
+  v.known.mean = random(kVerifyFeatures, 1);
+  v.known.scale = random(kVerifyFeatures, 1).cwiseAbs().array() + 0.5f;
+  v.known.w1 = random(24, kVerifyFeatures);
+  v.known.b1 = random(24, 1);
+  v.known.w2 = random(24, 1);
+  v.known.b2 = 0.3f;
+  v.unknown = v.known;
+  v.unknown.b2 = -0.6f;
+  v.calibrations[0] = {{{0.4f, -0.2f}, {0.7f, 0.1f}}};  // accurate, fast
+  v.calibrations[2] = {{{0.9f, -0.3f}, {1, 0}}};
   VerifyFeatures f;
   for (float& x : f) x = static_cast<float>(rng.Normal());
   const Eigen::Map<const Eigen::VectorXf> x(f.data(), f.size());
   const Eigen::VectorXf hidden =
-      (v.w1 * ((x - v.mean).cwiseQuotient(v.scale)) + v.b1).array().tanh();
-  const double logit = hidden.dot(v.w2) + v.b2;
+      (v.known.w1 * ((x - v.known.mean).cwiseQuotient(v.known.scale)) + v.known.b1).array().tanh();
+  const double logit = hidden.dot(v.known.w2) + v.known.b2;
   EXPECT_NEAR(v.Score(f), 1 / (1 + std::exp(0.2 - 0.4 * logit)), 1e-5);
   EXPECT_NEAR(v.Score(f, CandidateMode::kFast), 1 / (1 + std::exp(-0.1 - 0.7 * logit)), 1e-5);
+  EXPECT_NEAR(v.Score(f, CandidateMode::kAccurate, BackgroundKind::kNone),
+              1 / (1 + std::exp(0.3 - 0.9 * (logit - 0.9))), 1e-5);
 }
 
 // Files that are older than a feature contain no weights for it.
 TEST(VerifiersFrom, LaterFeaturesHaveNoWeight) {
   constexpr int kKnown = kWithoutOutline.features, kHidden = 5;
   Verifier narrow;
-  narrow.mean = Eigen::VectorXf::LinSpaced(kKnown, -1, 1);
-  narrow.scale = Eigen::VectorXf::Constant(kKnown, 0.7f);
-  narrow.w1 = Eigen::MatrixXf::Constant(kHidden, kKnown, 0.1f);
-  narrow.b1 = narrow.w2 = Eigen::VectorXf::LinSpaced(kHidden, 0.2f, 0.9f);
+  narrow.known.mean = Eigen::VectorXf::LinSpaced(kKnown, -1, 1);
+  narrow.known.scale = Eigen::VectorXf::Constant(kKnown, 0.7f);
+  narrow.known.w1 = Eigen::MatrixXf::Constant(kHidden, kKnown, 0.1f);
+  narrow.known.b1 = narrow.known.w2 = Eigen::VectorXf::LinSpaced(kHidden, 0.2f, 0.9f);
+  narrow.unknown = narrow.known;
   const Verifier wide = VerifiersFrom(VerifierValues({narrow}), 1, {.features = kKnown}).front();
   VerifyFeatures features;
   features.fill(0.3f);

@@ -1,0 +1,35 @@
+#pragma once
+
+// Is an image like the images of the training? Scores are calibrated on simulated images. Outside
+// of their range, a score says less, so it is lowered.
+
+#include <string>
+#include <vector>
+
+#include "perception/cloud/organized_cloud.h"
+
+namespace pickbed::perception {
+
+// Ranges of the images of the training (guides/training.md).
+inline constexpr double kMaxHoleShare = 0.45;     // share of the pixels between readings of a row
+inline constexpr double kMaxNoiseAt1m_m = 0.004;  // standard deviation
+inline constexpr double kMinDiameter_px = 20;     // diameter of an object in the image
+inline constexpr double kMaxTilt_rad = 1.25;      // of the optical axis from the floor normal
+
+struct ImageDomain {
+  double hole_share = 0;
+  double noise_at_1m_m = 0;
+  double tilt_rad = 0;  // 0 = no floor is known
+};
+
+// Measures the image of a cloud.
+ImageDomain DomainOf(const OrganizedCloud& cloud);
+
+// Returns by how much the logit of a score is lowered, >= 0: the sum of the relative excesses over
+// the ranges. It never falls with more holes, more noise, more tilt or a smaller diameter.
+double LogitPenalty(const ImageDomain& domain, double diameter_px);
+
+// Returns one sentence for each range that is exceeded.
+std::vector<std::string> DomainWarnings(const ImageDomain& domain);
+
+}  // namespace pickbed::perception
