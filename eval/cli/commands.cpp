@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "eval/cli/cmd_benchmark.h"
+#include "eval/cli/benchmark/cmd_benchmark.h"
 #include "scenes/base/cache_file.h"
 #include "scenes/base/error.h"
 #include "scenes/base/message_text.h"

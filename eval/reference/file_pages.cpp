@@ -6,6 +6,7 @@
 #include "eval/benchmark/completed_grasps.h"
 #include "eval/benchmark/crops_report.h"
 #include "eval/benchmark/recognition.h"
+#include "eval/benchmark/rooms.h"
 #include "eval/bop/layout.h"
 #include "eval/bop/results_csv.h"
 #include "eval/budget/report.h"
@@ -215,7 +216,9 @@ ResultPage BenchmarkPage() {
          Csv(kCropsFile, "one line per method, stage, condition and object", CropTableColumns()),
          Csv(kCropViewsFile, "one line per test view, method and stage", CropViewsColumns()),
          Csv(kCropDifferencesFile, "paired differences of two methods", CropDifferencesColumns()),
-         Csv(kTimingsFile, "durations", CropTimingsColumns())}}}};
+         Csv(kTimingsFile, "durations", CropTimingsColumns()),
+         Csv(kRoomsFile, "`rooms`: one line per kind of rooms and of background",
+             RoomsColumns())}}}};
 }
 
 ResultPage CompletionPage() {

@@ -13,7 +13,7 @@ namespace pickbed::perception {
 namespace {
 
 constexpr std::string_view kMagic = "PICKCKPT";
-constexpr uint64_t kVersion = 2;
+constexpr uint64_t kVersion = 1;
 
 // Number of objects, then per measurement: iteration, at_1, at_8, object_at_1, object_at_8.
 std::vector<double> RecallValues(const std::vector<HeldOutRecall>& history) {

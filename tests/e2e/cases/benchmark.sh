@@ -58,3 +58,15 @@ benchmark_all_checks_its_input_and_stops_on_interrupt() {
   [ -n "$(ls both/bins/models/kehl-*.pt.checkpoint)" ] || fail "no checkpoint of the training"
   [ ! -e both/crops ] || fail "the crop benchmark started after the interrupt"
 }
+
+# Rooms depend on the seed only, and invalid input is refused before rendering.
+rooms_benchmark_is_repeatable() {
+  local few=(rod --estimator descriptor:fast --bins 1 --tables 0 --empty 1)
+  expect 0 "$pickbed" benchmark rooms "${few[@]}" --threads 1 --out once
+  expect 0 "$pickbed" benchmark rooms "${few[@]}" --threads 2 --out twice
+  same once/rooms.csv twice/rooms.csv
+  grep -q '^empty,all,1,0,0,' once/rooms.csv || fail "no row of the room without objects"
+  grep -q '^all,given,2,' once/rooms.csv || fail "no row of given bins"
+  refused "unknown estimator 'discriptor'" "$pickbed" benchmark rooms rod --estimator discriptor
+  refused "no objects" "$pickbed" benchmark rooms
+}

@@ -22,6 +22,9 @@ int BenchmarkCropsCommand(int argc, char** argv);
 // Runs `pickbed benchmark bins`. Returns the exit status.
 int BenchmarkBinsCommand(int argc, char** argv);
 
+// Runs `pickbed benchmark rooms`. Returns the exit status.
+int BenchmarkRoomsCommand(int argc, char** argv);
+
 // Loads mesh files as objects outside the catalog, named after their files. Their mass is
 // arbitrary, because crops do not use it. `unit` is the unit of the coordinates, as in a catalog.
 // Throws InputError.

@@ -4,7 +4,7 @@
 
 #include "eval/benchmark/crops_report.h"
 #include "eval/cli/arguments.h"
-#include "eval/cli/cmd_benchmark.h"
+#include "eval/cli/benchmark/cmd_benchmark.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
 #include "eval/summary/result_files.h"

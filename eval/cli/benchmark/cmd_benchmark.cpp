@@ -1,4 +1,4 @@
-#include "eval/cli/cmd_benchmark.h"
+#include "eval/cli/benchmark/cmd_benchmark.h"
 
 #include <fmt/format.h>
 
@@ -24,6 +24,8 @@ constexpr CommandRow kTables[] = {
      &BenchmarkBinsCommand},
     {"completion", "shape completion methods on sampled shapes and meshes: IoU, surface, time",
      &BenchmarkCompletionCommand},
+    {"rooms", "poses where the background is not known: precision, false poses, calibration",
+     &BenchmarkRoomsCommand},
     {"all", "the tables crops and bins, one after the other", &BenchmarkAllCommand},
 };
 

@@ -4,7 +4,7 @@
 
 #include "eval/benchmark/bins.h"
 #include "eval/cli/arguments.h"
-#include "eval/cli/cmd_benchmark.h"
+#include "eval/cli/benchmark/cmd_benchmark.h"
 #include "eval/cli/commands.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"

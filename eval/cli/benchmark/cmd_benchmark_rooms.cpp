@@ -1,0 +1,89 @@
+#include <fmt/format.h>
+
+#include "eval/benchmark/rooms.h"
+#include "eval/cli/arguments.h"
+#include "eval/cli/benchmark/cmd_benchmark.h"
+#include "eval/estimate/estimator_comparison.h"
+#include "eval/runtime/process.h"
+#include "eval/runtime/progress.h"
+#include "eval/summary/result_files.h"
+#include "eval/train/job.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+
+namespace pickbed::eval {
+namespace {
+
+struct RoomsArguments {
+  TrainingSetChoice objects;
+  std::string estimator = "descriptor:accurate";
+  double min_score = EstimatorSpec().min_score;
+  std::string out;
+  RoomsOptions rooms;
+};
+
+int RunRoomsTable(const RoomsArguments& arguments) {
+  const TrainingSet set = PlanTrainingSet(arguments.objects);
+  EstimatorSpec base;
+  base.min_score = arguments.min_score;
+  const EstimatorSpec spec = ParseEstimators({arguments.estimator}, base).front().spec;
+  const std::filesystem::path folder = OutFolder(arguments.out, "rooms");
+  MakeFolder(folder);
+  CatchInterrupts();
+  std::vector<RoomsRow> rows;
+  {
+    ProgressLine progress;
+    ProgressState state;
+    state.what = "image";
+    rows = RunRooms(*MakeTrainingViews(set), spec, arguments.rooms, [&](int done, int total) {
+      state.done = done;
+      state.total = total;
+      progress.Show(state);
+      return !Interrupted();
+    });
+  }
+  if (rows.empty()) return kExitInterrupted;
+  WriteFileAtomically(folder / kRoomsFile, RoomsCsv(rows));
+  fmt::print("{}{} in {}\n", RoomsText(rows), kRoomsFile, folder.string());
+  return 0;
+}
+
+}  // namespace
+
+int BenchmarkRoomsCommand(int argc, char** argv) {
+  CLI::App app(
+      "Estimates poses in simulated rooms whose background is not known: objects in bins, objects "
+      "on "
+      "tables among other things, and no object at all. The same images are also estimated with "
+      "the "
+      "given bin.",
+      "pickbed benchmark rooms");
+  RoomsArguments arguments;
+  app.add_option("OBJECT", arguments.objects.objects, "objects of the catalog");
+  app.add_option("--bop", arguments.objects.bop_path,
+                 "use the models of this BOP dataset, with its camera");
+  app.add_option("--sensor", arguments.objects.sensors,
+                 "sensor profiles in addition to kinect_v1, structured_light and active_stereo, "
+                 "separated by commas")
+      ->delimiter(',');
+  app.add_option("--estimator", arguments.estimator, "estimator as NAME:MODE or NAME:MODE=MODEL")
+      ->capture_default_str();
+  app.add_option("--min-score", arguments.min_score, "minimum score of a reported pose")
+      ->capture_default_str();
+  app.add_option("--bins", arguments.rooms.bins, "number of rooms with objects in a bin")
+      ->capture_default_str();
+  app.add_option("--tables", arguments.rooms.tables, "number of rooms with objects on a table")
+      ->capture_default_str();
+  app.add_option("--empty", arguments.rooms.empty, "number of rooms without an object")
+      ->capture_default_str();
+  app.add_option("--seed", arguments.rooms.seed, "random seed of the rooms")->capture_default_str();
+  app.add_option("--catalog", arguments.objects.scenario.catalog, "folder with your own objects")
+      ->capture_default_str();
+  AddThreadsArgument(app, arguments.rooms.threads);
+  app.add_option("--out", arguments.out, "results folder [results/rooms]");
+  app.footer("Example: pickbed benchmark rooms bracket rod --estimator descriptor:fast");
+  if (!ParseArguments(app, argc, argv)) return 0;
+  return RunRoomsTable(arguments);
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,68 @@
+#include "eval/benchmark/rooms.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/ray_cast_views.h"
+#include "tests/support/synthetic_depth.h"
+
+namespace pickbed::tests {
+namespace {
+
+using testing::HasSubstr;
+
+RoomsRow RowOf(const std::vector<RoomsRow>& rows, const std::string& rooms,
+               const std::string& background) {
+  for (const RoomsRow& row : rows) {
+    if (row.rooms == rooms && row.background == background) return row;
+  }
+  ADD_FAILURE() << rooms << " " << background << " is absent";
+  return {};
+}
+
+// The views of this source are the same for all kinds of rooms, so every row can be compared.
+TEST(RunRooms, CountsImagesInstancesAndPoses) {
+  RayCastViews views({ObjectOf(BracketMesh())});
+  EstimatorSpec spec;
+  spec.name = "ppf";
+  spec.mode = "fast";
+  spec.min_score = 0.3;
+  RoomsOptions options;
+  options.bins = 1;
+  options.tables = 0;
+  options.empty = 1;
+  int calls = 0;
+  const std::vector<RoomsRow> rows = RunRooms(views, spec, options, [&](int done, int total) {
+    EXPECT_EQ(done, calls++);
+    EXPECT_EQ(total, 2);
+    return true;
+  });
+  const RoomsRow bin = RowOf(rows, "bin", "all"), given = RowOf(rows, "bin", "given");
+  EXPECT_EQ(bin.images, 1);
+  EXPECT_GT(bin.instances, 0);
+  EXPECT_EQ(given.instances, bin.instances);
+  EXPECT_LE(bin.recalled, bin.instances);
+  EXPECT_LE(bin.right, bin.poses);
+  const RoomsRow all = RowOf(rows, "all", "given");
+  EXPECT_EQ(all.images, 2);
+  EXPECT_EQ(all.poses, given.poses + RowOf(rows, "empty", "given").poses);
+  EXPECT_TRUE(RunRooms(views, spec, options, [](int, int) { return false; }).empty());
+}
+
+TEST(RoomsText, ShowsRates) {
+  RoomsRow row{"bin", "all"};
+  row.images = 4;
+  row.instances = 8;
+  row.recalled = 6;
+  row.poses = 10;
+  row.right = 5;
+  row.calibration_error = 0.0625;
+  const std::string text = RoomsText({row});
+  EXPECT_THAT(text, HasSubstr("0.750"));  // recall
+  EXPECT_THAT(text, HasSubstr("0.500"));  // precision
+  EXPECT_THAT(text, HasSubstr("1.250"));  // false poses per image
+  EXPECT_THAT(RoomsCsv({row}), HasSubstr("bin,all,4,8,6,10,5,0.0625,0.0000\n"));
+}
+
+}  // namespace
+}  // namespace pickbed::tests
