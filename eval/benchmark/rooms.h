@@ -1,13 +1,14 @@
 #pragma once
 
 // Are scores right where the background is not known? Simulated rooms with objects in bins, with
-// parts on tables among other things, and without any object. The same images are estimated without
-// and with the given bin.
+// objects on tables among other things, and without any object. The same images are estimated
+// without and with the given bin.
 
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "eval/layer.h"
 #include "eval/metrics/result_columns.h"
 #include "scenes/labelled_view.h"
 #include "scenes/scenario/scenario_spec.h"
