@@ -46,7 +46,7 @@ std::vector<ModelObject> TrainedFor(const BinMethod& method, const std::filesyst
 }
 
 std::filesystem::path ModelFile(const BinMethod& method, const std::filesystem::path& folder) {
-  return folder / (std::string(method.model) + ".pt");
+  return folder / (std::string(method.model) + ".net");
 }
 
 // Words after `pickbed train` for this method, without the objects and the file.
@@ -169,7 +169,7 @@ std::filesystem::path TrainedModelFile(const BinMethod& method, const std::files
     text += fmt::format(" {} {:016x}", object->name, object->mesh_hash);
   }
   const auto key = static_cast<uint32_t>(HashBytes(text.data(), text.size()));
-  return folder / fmt::format("{}-{:08x}.pt", method.model, key);
+  return folder / fmt::format("{}-{:08x}.net", method.model, key);
 }
 
 std::vector<std::string> TrainingWords(const BinMethod& method, const std::filesystem::path& file,

@@ -75,7 +75,7 @@ std::optional<BinScenario> ReadBinScenario(const std::filesystem::path& file,
 // the number of bins per scenario, at least 1.
 std::vector<int> SharedBins(int all, int scenarios);
 
-// Returns folder/MODEL-KEY.pt, the file into which a method is trained. KEY is a hash of the
+// Returns folder/MODEL-KEY.net, the file into which a method is trained. KEY is a hash of the
 // training arguments and the objects, so a file is never confused with another one or overwritten.
 std::filesystem::path TrainedModelFile(const BinMethod& method, const std::filesystem::path& folder,
                                        const ObjectSet& objects, bool small);
@@ -88,7 +88,7 @@ std::vector<std::string> TrainingWords(const BinMethod& method, const std::files
 bool IsBegun(const std::filesystem::path& file);
 
 // Returns the first model file of a method that was trained for these objects, in this order: the
-// user's file folder/MODEL.pt, TrainedModelFile(), the shipped file. Empty if there is none.
+// user's file folder/MODEL.net, TrainedModelFile(), the shipped file. Empty if there is none.
 std::filesystem::path FindBinModel(const BinMethod& method, const std::filesystem::path& folder,
                                    const ObjectSet& objects, bool small);
 

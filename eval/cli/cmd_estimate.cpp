@@ -364,7 +364,7 @@ int EstimateCommand(int argc, char** argv) {
   AddOutArgument(app, out, "-estimate");
   app.footer(
       "Example: pickbed estimate bin_rod --trials 20 --estimator "
-      "descriptor:accurate,ppf,kehl=kehl.pt\n"
+      "descriptor:accurate,ppf,kehl=kehl.net\n"
       "         pickbed estimate bin_rod --explain 3\n"
       "         pickbed estimate --bop bop/ycbv --set estimator.name=ppf\n"
       "         pickbed estimate color.png --depth depth.png --intrinsics 615,615,320,240 --mesh "

@@ -97,7 +97,7 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
   app.add_option("--catalog", arguments.training_set.scenario.catalog,
                  "folder with your own objects")
       ->capture_default_str();
-  app.add_option("--out", arguments.model_file, "model file to write [models/<objects>.pt]");
+  app.add_option("--out", arguments.model_file, "model file to write [models/<objects>.net]");
   app.add_option("--from", arguments.training_set.start_from,
                  "model file to start from; its objects are kept in addition to the named ones");
   app.add_option("--report", arguments.report_folder,
@@ -318,7 +318,7 @@ int TrainCommand(int argc, char** argv) {
   if (model_file.empty()) {
     const bool usual = arguments.method == "descriptor";
     const std::string name = usual ? training_set.name : arguments.method + "-" + training_set.name;
-    model_file = std::filesystem::path("models") / (name + ".pt");
+    model_file = std::filesystem::path("models") / (name + ".net");
   }
   if (model_file.has_parent_path()) MakeFolder(model_file.parent_path());
   RequireWritable(model_file);

@@ -77,7 +77,7 @@ std::string FolderName(std::string label) {
   return label;
 }
 
-// Parses a label such as "kehl:accurate=kehl.pt": name, mode and model file.
+// Parses a label such as "kehl:accurate=kehl.net": name, mode and model file.
 EstimatorSpec Labelled(const std::string& label, const EstimatorSpec& base) {
   const size_t equals = label.find('=');
   const std::string method = label.substr(0, equals);

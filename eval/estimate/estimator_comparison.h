@@ -16,7 +16,7 @@
 namespace pickbed::eval {
 
 // The label has the form NAME[:MODE][=MODEL]: "ppf", "descriptor:accurate" or
-// "kehl:accurate=kehl.pt".
+// "kehl:accurate=kehl.net".
 struct ComparedEstimator {
   std::string label;
   EstimatorSpec spec;

@@ -31,7 +31,7 @@ std::unique_ptr<CandidateSource> MakePpfCandidates(const ObjectSet& objects,
                                                    int threads = 1);
 
 // Entry of EstimatorTable(). Its candidates have default options. The model file has the verifiers
-// and is ppf.pt by default; it is empty for modes without verifier.
+// and is ppf.net by default; it is empty for modes without verifier.
 std::unique_ptr<EstimatorTraining> MakePpfTraining();
 
 // Makes the estimator. Throws InputError as LoadVerifiers and TrainedObjects do.

@@ -46,7 +46,7 @@ std::unique_ptr<CandidateSource> MakeWohlhartCandidates(
 // TrainNetwork() throws InputError if the network's input is not depth.
 std::unique_ptr<EstimatorTraining> MakeWohlhartTraining(const WohlhartBinOptions& options);
 
-// Entries of EstimatorTable(). The default model is wohlhart.pt. The modes select the candidate
+// Entries of EstimatorTable(). The default model is wohlhart.net. The modes select the candidate
 // refinement, as for estimator descriptor. Throws InputError as LoadVerifiers and TrainedObjects
 // do, and if setup.views is null.
 std::unique_ptr<PoseEstimator> MakeWohlhartEstimator(const EstimatorSetup& setup);

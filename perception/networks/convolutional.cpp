@@ -4,6 +4,7 @@
 #include <torch/nn/modules/linear.h>
 #include <torch/types.h>
 
+#include "perception/networks/fixed_linear.h"
 #include "perception/networks/patch_network.h"
 #include "perception/networks/training_tensors.h"
 #include "perception/networks/trunk.h"
@@ -19,7 +20,7 @@ class ConvolutionalNetwork : public PatchNetwork, public torch::nn::Module {
   }
 
   at::Tensor Forward(const at::Tensor& patches) override {
-    return UnitRows(last_(trunk_->Forward(patches)));
+    return UnitRows(ApplyLinear(last_, trunk_->Forward(patches)));
   }
 
   at::Tensor Loss(const TrainingTensors& batch, const LossOptions& options) override {

@@ -2,6 +2,8 @@
 
 #include <torch/nn/functional/normalization.h>
 
+#include "perception/networks/fixed_linear.h"
+
 namespace pickbed::perception {
 
 PatchTrunk::PatchTrunk() {
@@ -18,7 +20,7 @@ at::Tensor PatchTrunk::Forward(const at::Tensor& patches) {
   at::Tensor x = torch::relu(first_(patches));
   x = torch::max_pool2d(torch::relu(second_(x)), 2);
   x = torch::max_pool2d(torch::relu(third_(x)), 2);
-  return torch::relu(hidden_(x.flatten(1)));
+  return torch::relu(ApplyLinear(hidden_, x.flatten(1)));
 }
 
 double PatchTrunk::MultiplyAdds() const {

@@ -121,7 +121,7 @@ NumpyHeader ReadNumpyHeader(const std::string& bytes, const std::string& name) {
                                         : header.kind == 'u' || header.kind == 'i';
   require(known && type[4] == '\'' &&
               (header.bytes == 1 || header.bytes == 2 || header.bytes == 4 || header.bytes == 8),
-          "its numbers have the type " + type.substr(1, type.find('\'', 1) - 1) +
+          "its numbers have the type " + OneLine(type.substr(1, type.find('\'', 1) - 1)) +
               "; save it with array.astype('float32')");
   require(value_of("fortran_order").starts_with("False"),
           "its order is by columns; save it with numpy.ascontiguousarray(array)");

@@ -100,7 +100,7 @@ void RequireInCatalog(const ObjectSet& objects, const std::string& catalog, cons
                fmt::format("object '{}' is in no catalog, so {} cannot be trained for it; add the "
                            "object with --catalog, or put a model trained for it at {}",
                            wanted->name, method.label,
-                           (folder / (std::string(method.model) + ".pt")).string()));
+                           (folder / (std::string(method.model) + ".net")).string()));
   }
 }
 

@@ -88,7 +88,7 @@ InputError WithMeshHint(const InputError& error, const ImageArguments& image,
   return InputError(fmt::format(
       "{} knows no model of '{}'; use --estimator ppf, which needs no training, or run `pickbed "
       "object add {} --name {}` and `pickbed train {}`, and then give --object {} with "
-      "--estimator {}=models/{}.pt",
+      "--estimator {}=models/{}.net",
       estimator, mesh, mesh, name, name, name, estimator, name));
 }
 

@@ -25,7 +25,7 @@ crop_benchmark_is_repeatable() {
 bin_benchmark_trains_missing_models() {
   local few=(rods.yaml --small --scenes 1 --estimator "wohlhart;oracle" --out bins)
   # This replaces the training of --small, which takes minutes.
-  expect 0 "$pickbed" train wohlhart rod --out bins/models/wohlhart.pt --set clutter_scenes=2 \
+  expect 0 "$pickbed" train wohlhart rod --out bins/models/wohlhart.net --set clutter_scenes=2 \
     --set wohlhart.views.templates.template_level=1 --set wohlhart.views.templates.in_plane=12 \
     --set wohlhart.views.isolated=100 --set wohlhart.views.clutter_scenes=2 \
     --set wohlhart.network.iterations=4 --set wohlhart.network.mine_every=4
@@ -55,7 +55,7 @@ benchmark_all_checks_its_input_and_stops_on_interrupt() {
   wait $pid
   [ $? = 130 ] || fail "the exit status is not 130"
   grep -q "to continue with this training" stopped.err || fail "no message how to continue"
-  [ -n "$(ls both/bins/models/kehl-*.pt.checkpoint)" ] || fail "no checkpoint of the training"
+  [ -n "$(ls both/bins/models/kehl-*.net.checkpoint)" ] || fail "no checkpoint of the training"
   [ ! -e both/crops ] || fail "the crop benchmark started after the interrupt"
 }
 

@@ -60,26 +60,26 @@ explain_page_shows_every_stage() {
   refused "image 7/0: is no target image; write SCENE/IMAGE, for example 1/0" \
     "$pickbed" estimate --bop set --explain 7/0 --out no
   refused "'ppf' does not report the stages" "$pickbed" estimate --bop set --explain 0 --estimator ppf --out no
-  refused "this model belongs to 'descriptor', which --estimator does not name" "$pickbed" estimate demo --estimator ppf --set estimator.model=a.pt --out no
+  refused "this model belongs to 'descriptor', which --estimator does not name" "$pickbed" estimate demo --estimator ppf --set estimator.model=a.net --out no
   refused "has no model after '='" "$pickbed" estimate demo --estimator kehl= --out no
   [ ! -e no ] || fail "a refused command left a folder"
 }
 
 broken_model_is_refused() {
-  head -c 1000 /dev/urandom >broken.pt
+  head -c 1000 /dev/urandom >broken.net
   expect 1 "$pickbed" run small.yaml --set estimator.name=descriptor \
-    --set "estimator.model=$work/broken.pt" --out broken
-  grep -q "broken.pt" last.err || fail "the file is not named"
+    --set "estimator.model=$work/broken.net" --out broken
+  grep -q "broken.net" last.err || fail "the file is not named"
   expect 1 "$pickbed" run small.yaml --set estimator.name=descriptor \
-    --set "estimator.model=$work/missing.pt" --out missing
-  grep -q "missing.pt" last.err || fail "the file is not named"
+    --set "estimator.model=$work/missing.net" --out missing
+  grep -q "missing.net" last.err || fail "the file is not named"
 }
 
 truncated_model_is_refused() {
-  local model=$here/../../assets/models/shipped.pt
-  head -c 5000 "$model" >cut.pt
-  expect 1 "$pickbed" estimate small.yaml --set "estimator.model=$work/cut.pt" --out cut
-  grep -q "cut.pt" last.err || fail "the file is not named"
+  local model=$here/../../assets/models/shipped.net
+  head -c 5000 "$model" >cut.net
+  expect 1 "$pickbed" estimate small.yaml --set "estimator.model=$work/cut.net" --out cut
+  grep -q "cut.net" last.err || fail "the file is not named"
   [ "$(wc -l <last.err)" = 1 ] || fail "more than one line"
 }
 

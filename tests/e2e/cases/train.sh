@@ -7,52 +7,52 @@ training_resumes_after_an_interrupt() {
     --set verifier_entries=1000 --set verifier.iterations=100 --set candidates.points=300
     --set candidates.min_points=100 --set candidates.candidates=100)
   local short=(rod "${quick[@]}")
-  "$pickbed" train "${short[@]}" --out rod.pt 2>stopped.err &
+  "$pickbed" train "${short[@]}" --out rod.net 2>stopped.err &
   local pid=$!
   while kill -0 $pid 2>/dev/null && ! grep -q "^network" stopped.err; do sleep 0.1; done
   kill -INT $pid 2>/dev/null
   wait $pid
   local rc=$?
   [ $rc = 130 ] || fail "the exit status is $rc, not 130"
-  [ -s rod.pt.checkpoint ] || fail "no checkpoint"
-  [ ! -e rod.pt ] || fail "an unfinished model was written"
-  cp rod.pt.checkpoint good.checkpoint
+  [ -s rod.net.checkpoint ] || fail "no checkpoint"
+  [ ! -e rod.net ] || fail "an unfinished model was written"
+  cp rod.net.checkpoint good.checkpoint
   (
     trap '' XFSZ # a write beyond the limit then fails and does not kill
     ulimit -f 100
-    "$pickbed" train "${short[@]}" --out rod.pt --resume 2>last.err
+    "$pickbed" train "${short[@]}" --out rod.net --resume 2>last.err
   )
   [ $? = 1 ] || fail "a full disk did not end the training"
-  grep -q "^pickbed: .*rod.pt.checkpoint" last.err || fail "the checkpoint on a full disk is not named"
-  same rod.pt.checkpoint good.checkpoint
-  expect 0 "$pickbed" train "${short[@]}" --out rod.pt --resume
+  grep -q "^pickbed: .*rod.net.checkpoint" last.err || fail "the checkpoint on a full disk is not named"
+  same rod.net.checkpoint good.checkpoint
+  expect 0 "$pickbed" train "${short[@]}" --out rod.net --resume
   page rod_report/index.html Held-out
   for file in embedding.png answers.png pairs.png curves.csv timings.csv; do
     [ -s "rod_report/$file" ] || fail "no $file in the report"
   done
-  expect 0 "$pickbed" train "${short[@]}" --out unstopped.pt
-  cmp rod.pt unstopped.pt || fail "a stopped and resumed training gives other weights"
+  expect 0 "$pickbed" train "${short[@]}" --out unstopped.net
+  cmp rod.net unstopped.net || fail "a stopped and resumed training gives other weights"
   same rod_report/curves.csv unstopped_report/curves.csv
-  expect 0 "$pickbed" estimate rods.yaml --out look --set "estimator.model=$work/rod.pt"
-  refused "rod.pt: not trained for object 'flange' (knows rod)" \
-    "$pickbed" estimate small.yaml --out look --set "estimator.model=$work/rod.pt"
+  expect 0 "$pickbed" estimate rods.yaml --out look --set "estimator.model=$work/rod.net"
+  refused "rod.net: not trained for object 'flange' (knows rod)" \
+    "$pickbed" estimate small.yaml --out look --set "estimator.model=$work/rod.net"
 
   # Adds an object to the known one.
-  expect 0 "$pickbed" train flange --from rod.pt "${quick[@]}" --out both.pt --report page \
+  expect 0 "$pickbed" train flange --from rod.net "${quick[@]}" --out both.net --report page \
     --sensor structured_light,time_of_flight
   page page/index.html "structured_light, time_of_flight"
   grep -q "rod, known from the start model: recall@1" last.out || fail "the object of the start model is not reported"
   [ -s page/curves.csv ] || fail "no report in the requested folder"
-  [ ! -e both.pt.checkpoint ] || fail "the checkpoint of a finished training is left over"
-  expect 0 "$pickbed" estimate small.yaml --out look --set "estimator.model=$work/both.pt"
+  [ ! -e both.net.checkpoint ] || fail "the checkpoint of a finished training is left over"
+  expect 0 "$pickbed" estimate small.yaml --out look --set "estimator.model=$work/both.net"
 
   # The same name with another mesh.
   brick 1 >brick.obj
   expect 0 "$pickbed" object add brick.obj --name rod --mass 0.1 --drops 5
-  refused "rod.pt: the mesh of object 'rod' has changed since training" \
-    "$pickbed" estimate rods.yaml --out look --set "estimator.model=$work/rod.pt"
-  refused "rod.pt: the mesh of object 'rod' has changed since training; name the object" \
-    "$pickbed" train flange --from rod.pt "${quick[@]}" --out both.pt
+  refused "rod.net: the mesh of object 'rod' has changed since training" \
+    "$pickbed" estimate rods.yaml --out look --set "estimator.model=$work/rod.net"
+  refused "rod.net: the mesh of object 'rod' has changed since training; name the object" \
+    "$pickbed" train flange --from rod.net "${quick[@]}" --out both.net
 }
 
 invalid_training_requests_are_refused() {
@@ -61,22 +61,22 @@ invalid_training_requests_are_refused() {
   refused "--verifier-for ppf trains the verifiers of another estimator" \
     "$pickbed" train kehl rod --verifier-for ppf
   refused "unknown key 'wohlhart'" "$pickbed" train rod --verifier-for ppf --set wohlhart.grid_px=3
-  refused "missing.pt: there is no such trained model" "$pickbed" train rod --from missing.pt
-  head -c 1000 /dev/urandom >broken.pt
-  refused "broken.pt" "$pickbed" train rod --from broken.pt
+  refused "missing.net: there is no such trained model" "$pickbed" train rod --from missing.net
+  head -c 1000 /dev/urandom >broken.net
+  refused "broken.net" "$pickbed" train rod --from broken.net
   refused "did you mean 'rod'" "$pickbed" train rodd
   refused "unknown sensor 'sonar'" "$pickbed" train rod --sensor sonar
-  refused "no new.pt.checkpoint to resume" "$pickbed" train rod --out new.pt --resume
-  echo checkpoint >new.pt.checkpoint # of a network; the verifiers of ppf have none
-  refused "no new.pt.part to resume" \
-    "$pickbed" train rod --verifier-for ppf --out new.pt --resume
-  [ -s new.pt.checkpoint ] || fail "the checkpoint of another training was removed"
-  rm new.pt.checkpoint
+  refused "no new.net.checkpoint to resume" "$pickbed" train rod --out new.net --resume
+  echo checkpoint >new.net.checkpoint # of a network; the verifiers of ppf have none
+  refused "no new.net.part to resume" \
+    "$pickbed" train rod --verifier-for ppf --out new.net --resume
+  [ -s new.net.checkpoint ] || fail "the checkpoint of another training was removed"
+  rm new.net.checkpoint
   refused "no report page" "$pickbed" train wohlhart rod --report page
-  refused "PICKBED_DEVICE is 'gpu'" env PICKBED_DEVICE=gpu "$pickbed" train rod --out new.pt
+  refused "PICKBED_DEVICE is 'gpu'" env PICKBED_DEVICE=gpu "$pickbed" train rod --out new.net
   brick 1 | awk '/^v/ {print "v", $2 / 10, $3 / 10, $4 / 10; next} {print}' >speck.obj
   echo "objects: [{name: speck, mesh: speck.obj, unit: mm, mass_kg: 0.01, count: 3}]" >specks.yaml
-  refused "object 'speck' is" "$pickbed" train --scenario specks.yaml --out specks.pt
+  refused "object 'speck' is" "$pickbed" train --scenario specks.yaml --out specks.net
   grep -q "at least 10 px" last.err || fail "the minimum size is not reported"
   grep -q "^views" last.err && fail "it was reported only after views were rendered"
   echo "objects: []" >none.yaml

@@ -139,13 +139,13 @@ TEST(BinMethods, EachMethodNamesAnEstimatorAndItsTraining) {
     EXPECT_TRUE(labels.insert(method.label).second) << method.label;
     EXPECT_EQ(std::string(method.model).empty(), method.training.empty()) << method.label;
     if (method.training.empty()) continue;
-    EXPECT_THAT(TrainingWords(method, "folder/a.pt", EasyCube(), false),
+    EXPECT_THAT(TrainingWords(method, "folder/a.net", EasyCube(), false),
                 testing::IsSupersetOf(
-                    {std::string("--objects"), EasyCube()[0]->name, std::string("folder/a.pt")}));
+                    {std::string("--objects"), EasyCube()[0]->name, std::string("folder/a.net")}));
     // --small inserts further settings before the other arguments of a full training.
     EXPECT_EQ(
-        TrainingWords(method, "a.pt", EasyCube(), true).size(),
-        TrainingWords(method, "a.pt", EasyCube(), false).size() + method.small_training.size());
+        TrainingWords(method, "a.net", EasyCube(), true).size(),
+        TrainingWords(method, "a.net", EasyCube(), false).size() + method.small_training.size());
     // No model was trained for the cube.
     EXPECT_TRUE(FindBinModel(method, "no such folder", EasyCube(), false).empty()) << method.label;
   }
@@ -158,7 +158,7 @@ const BinMethod& MethodNamed(const std::string& label) {
 // Saves the verifiers of the shipped file. Their first object gets the name and the mesh hash of
 // `object`.
 void SaveModelOf(const ObjectModel& object, const std::filesystem::path& file) {
-  VerifierFile known = LoadVerifiers(AssetsDir() / "models/ppf.pt", "ppf");
+  VerifierFile known = LoadVerifiers(AssetsDir() / "models/ppf.net", "ppf");
   known.objects.front().name = object.name;
   known.objects.front().mesh_hash = object.mesh_hash;
   SaveVerifiers(file, known);
@@ -189,7 +189,7 @@ TEST(FindBinModel, UsersModelTakesPrecedenceOverTrainedModel) {
   const std::filesystem::path& folder = temporary.path();
   const ObjectSet cube = EasyCube();
   const std::filesystem::path trained = TrainedModelFile(method, folder, cube, false),
-                              own = folder / "ppf.pt";
+                              own = folder / "ppf.net";
   // A stopped training leaves a file from which it can resume. That file is not yet a model.
   SaveModelOf(*cube[0], UnfinishedLibrary(trained));
   EXPECT_TRUE(FindBinModel(method, folder, cube, false).empty());
@@ -202,8 +202,8 @@ TEST(FindBinModel, UsersModelTakesPrecedenceOverTrainedModel) {
   auto changed = std::make_shared<ObjectModel>(*cube[0]);
   changed->mesh_hash += 1;
   EXPECT_TRUE(FindBinModel(method, folder, {changed}, false).empty());
-  temporary.Write("kehl.pt.checkpoint", "");
-  EXPECT_TRUE(IsBegun(folder / "kehl.pt"));
+  temporary.Write("kehl.net.checkpoint", "");
+  EXPECT_TRUE(IsBegun(folder / "kehl.net"));
 }
 
 TEST(BinRowOf, CopiesTheStatisticsOfAComparison) {

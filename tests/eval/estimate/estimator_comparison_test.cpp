@@ -134,8 +134,8 @@ TEST(HypothesesCsv, HasThePoseInTheWorld) {
 
 TEST(ComparisonTable, LongLabelsKeepColumnsAligned) {
   ComparedRow first = HandWorked(), second = HandWorked();
-  first.label = "kehl:accurate=/home/somebody/models/of/kehl.pt";
-  second.label = "doumanoglou:accurate=/home/somebody/models/of/doumanoglou.pt";
+  first.label = "kehl:accurate=/home/somebody/models/of/kehl.net";
+  second.label = "doumanoglou:accurate=/home/somebody/models/of/doumanoglou.net";
   const std::string table = ComparisonTable({first, second});
   EXPECT_THAT(table, HasSubstr(' ' + first.label + ' ' + second.label + '\n'));
   const size_t width = table.find('\n');
@@ -221,16 +221,16 @@ TEST(Comparison, LabelsNameEstimatorAndMode) {
 
 TEST(Comparison, LabelsSelectTheModelFile) {
   EstimatorSpec base;
-  base.model = "mine.pt";
+  base.model = "mine.net";
   const auto rows = ParseEstimators(
-      {"descriptor", "descriptor=models/b:1.pt", "kehl:accurate=kehl.pt", "ppf"}, base);
-  EXPECT_EQ(rows[0].spec.model, "mine.pt");
+      {"descriptor", "descriptor=models/b:1.net", "kehl:accurate=kehl.net", "ppf"}, base);
+  EXPECT_EQ(rows[0].spec.model, "mine.net");
   EXPECT_EQ(rows[1].spec.name, "descriptor");
   EXPECT_EQ(rows[1].spec.mode, base.mode);
-  EXPECT_EQ(rows[1].spec.model, "models/b:1.pt");
+  EXPECT_EQ(rows[1].spec.model, "models/b:1.net");
   EXPECT_EQ(rows[2].spec.name, "kehl");
   EXPECT_EQ(rows[2].spec.mode, "accurate");
-  EXPECT_EQ(rows[2].spec.model, "kehl.pt");
+  EXPECT_EQ(rows[2].spec.model, "kehl.net");
   EXPECT_EQ(rows[3].spec.model, "");  // the scenario's model is for the descriptor estimator
   EXPECT_THROW(ParseEstimators({"kehl="}, base), InputError);
 }

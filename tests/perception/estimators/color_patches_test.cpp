@@ -80,7 +80,7 @@ class TwoColours : public testing::Test {
     delete temporary_;
   }
   static std::filesystem::path File(const std::string& name) {
-    return temporary_->path() / (name + ".pt");
+    return temporary_->path() / (name + ".net");
   }
   static TrainingJob Job(const std::string& name) {
     return {*views_, File(name), {}, false, {}, "test", {}};
@@ -174,10 +174,10 @@ TEST_F(TwoColours, NetworksWithOtherChannelsAreNotMixed) {
   TrainingJob job = Job("mixed");
   job.start_from = File("rgbd");
   EXPECT_THAT(ErrorOf([&] { TrainDescriptor(job, Untrained("depth_normals")); }),
-              AllOf(HasSubstr("rgbd.pt"), HasSubstr("depth and colour, not on depth and normals"),
+              AllOf(HasSubstr("rgbd.net"), HasSubstr("depth and colour, not on depth and normals"),
                     HasSubstr("network.autoencoder.channels")));
   EXPECT_THAT(ErrorOf([&] { Make("rgbd", File("depth_normals")); }),
-              AllOf(HasSubstr("depth_normals.pt"), HasSubstr("train both on the same input")));
+              AllOf(HasSubstr("depth_normals.net"), HasSubstr("train both on the same input")));
 }
 
 // Initial weights depend only on the seed and not on the channels.

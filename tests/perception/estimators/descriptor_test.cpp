@@ -43,7 +43,7 @@ class Descriptor : public testing::Test {
     options.candidates.points = 150;
     options.candidates.candidates = 120;
     options.fast_candidates = options.candidates;
-    TrainDescriptor({*views_, folder_ / "model.pt", {}, false, {}, "test", {}}, options);
+    TrainDescriptor({*views_, folder_ / "model.net", {}, false, {}, "test", {}}, options);
   }
   static void TearDownTestSuite() {
     delete views_;
@@ -53,7 +53,7 @@ class Descriptor : public testing::Test {
   static EstimatorSetup MakeSetup() {
     EstimatorSetup setup;
     setup.objects = views_->objects();
-    setup.spec.model = folder_ / "model.pt";
+    setup.spec.model = folder_ / "model.net";
     setup.intrinsics = SmallCamera();
     setup.working_distance_m = RayCastViews::kDistanceM;
     setup.views = views_;

@@ -33,9 +33,9 @@ TEST(EstimatorTable, ModelFileIsTheNamedOneOrTheDefault) {
     const auto training = row.make_training();
     EstimatorSpec spec;
     spec.mode = row.modes.back();
-    EXPECT_EQ(training->ModelFile(spec).extension(), ".pt") << row.name;
-    spec.model = "folder/own.pt";
-    EXPECT_EQ(training->ModelFile(spec), "folder/own.pt") << row.name;
+    EXPECT_EQ(training->ModelFile(spec).extension(), ".net") << row.name;
+    spec.model = "folder/own.net";
+    EXPECT_EQ(training->ModelFile(spec), "folder/own.net") << row.name;
   }
 }
 

@@ -73,7 +73,7 @@ class VerifiedPpf : public testing::Test {
   static void SetUpTestSuite() {
     temporary_ = new TemporaryFolder;
     views_ = new FloatingInstances({ObjectOf(BracketMesh())});
-    file_ = temporary_->path() / "ppf.pt";
+    file_ = temporary_->path() / "ppf.net";
     TrainVerifierLibrary(Job(file_), TinyTraining());
   }
   static void TearDownTestSuite() {
@@ -213,8 +213,8 @@ TEST_F(VerifiedPpf, ReportsNoMoreThanTheGivenCount) {
 }
 
 TEST_F(VerifiedPpf, SameSeedSameVerifiersAndPoses) {
-  const auto once = temporary_->path() / "once.pt", again = temporary_->path() / "again.pt",
-             other = temporary_->path() / "other.pt";
+  const auto once = temporary_->path() / "once.net", again = temporary_->path() / "again.net",
+             other = temporary_->path() / "other.net";
   TrainVerifierLibrary(Job(once), MinimalTraining());
   TrainVerifierLibrary(Job(again), MinimalTraining());
   const auto score = [](const std::filesystem::path& file) {
@@ -245,20 +245,20 @@ TEST_F(VerifiedPpf, UnsuitableFilesAreRefusedWithARemedy) {
   changed->mesh_hash += 1;
   setup.objects = {changed};
   EXPECT_THAT(ErrorOf([&] { MakePpfEstimator(setup); }),
-              testing::AllOf(HasSubstr("ppf.pt: the mesh of object 'test part' has changed"),
+              testing::AllOf(HasSubstr("ppf.net: the mesh of object 'test part' has changed"),
                              HasSubstr("`pickbed train` as verifiers of ppf")));
   changed->name = "widget";
   EXPECT_THAT(ErrorOf([&] { MakePpfEstimator(setup); }),
               HasSubstr("not trained for object 'widget' (knows test part)"));
   EXPECT_THAT(ErrorOf([&] { LoadVerifiers(file_, "linemod"); }), HasSubstr("are for 'ppf'"));
-  EXPECT_THAT(ErrorOf([&] { LoadVerifiers(temporary_->path() / "no.pt", "ppf"); }),
-              HasSubstr("no.pt: the verifier file does not exist"));
-  EXPECT_THAT(ErrorOf([&] { LoadVerifiers(AssetsDir() / "models/shipped.pt", "ppf"); }),
+  EXPECT_THAT(ErrorOf([&] { LoadVerifiers(temporary_->path() / "no.net", "ppf"); }),
+              HasSubstr("no.net: the verifier file does not exist"));
+  EXPECT_THAT(ErrorOf([&] { LoadVerifiers(AssetsDir() / "models/shipped.net", "ppf"); }),
               HasSubstr("it is not a file of verifiers"));
   const std::string bytes = ReadFileBytes(file_);
   for (const double share : {0.0, 0.3, 0.9}) {
-    const auto cut = temporary_->Write("cut.pt", bytes.substr(0, size_t(share * bytes.size())));
-    EXPECT_THAT(ErrorOf([&] { LoadVerifiers(cut, "ppf"); }), HasSubstr("cut.pt")) << share;
+    const auto cut = temporary_->Write("cut.net", bytes.substr(0, size_t(share * bytes.size())));
+    EXPECT_THAT(ErrorOf([&] { LoadVerifiers(cut, "ppf"); }), HasSubstr("cut.net")) << share;
   }
 }
 
@@ -266,8 +266,8 @@ TEST_F(VerifiedPpf, StoppedTrainingKeepsFinishedVerifiers) {
   auto second = std::make_shared<ObjectModel>(*views_->objects()[0]);
   second->name = "second";
   FloatingInstances views({views_->objects()[0], second});
-  const auto straight_file = temporary_->path() / "straight.pt";
-  const auto file = temporary_->path() / "stopped.pt";
+  const auto straight_file = temporary_->path() / "straight.net";
+  const auto file = temporary_->path() / "stopped.net";
   VerifierJob job{views, "ppf", Job(file).candidates, straight_file, false, "test sensor", {}};
   EXPECT_TRUE(TrainVerifierLibrary(job, MinimalTraining()).finished);
 
@@ -293,11 +293,11 @@ TEST_F(VerifiedPpf, StoppedTrainingKeepsFinishedVerifiers) {
   VerifierTrainingOptions other = MinimalTraining();
   other.clutter_scenes += 1;
   EXPECT_THAT(ErrorOf([&] { TrainVerifierLibrary(job, other); }),
-              testing::AllOf(HasSubstr("stopped.pt"), HasSubstr("other settings")));
+              testing::AllOf(HasSubstr("stopped.net"), HasSubstr("other settings")));
   FloatingInstances noisier({views_->objects()[0], second}, 0.001);
   const VerifierJob elsewhere{noisier, "ppf", job.candidates, file, true, "test sensor", {}};
   EXPECT_THAT(ErrorOf([&] { TrainVerifierLibrary(elsewhere, MinimalTraining()); }),
-              testing::AllOf(HasSubstr("stopped.pt"), HasSubstr("another bin")));
+              testing::AllOf(HasSubstr("stopped.net"), HasSubstr("another bin")));
 }
 
 // A new training that is stopped keeps the file of the previous training, and resumes from its own
@@ -306,7 +306,7 @@ TEST_F(VerifiedPpf, PreviousFileStaysUntilTrainingFinishes) {
   auto second = std::make_shared<ObjectModel>(*views_->objects()[0]);
   second->name = "second";
   FloatingInstances views({views_->objects()[0], second});
-  const auto file = temporary_->path() / "twice.pt";
+  const auto file = temporary_->path() / "twice.net";
   std::filesystem::copy_file(file_, file);
   const std::string before = ReadFileBytes(file);
   VerifierTrainingOptions other = MinimalTraining();

@@ -65,25 +65,25 @@ class PublishedMethod : public testing::TestWithParam<const char*> {
 };
 
 TEST_P(PublishedMethod, LearnsAndFindsUnoccludedInstances) {
-  const TrainingReport report = Train("model.pt", Quick(GetParam()));
+  const TrainingReport report = Train("model.net", Quick(GetParam()));
   ASSERT_TRUE(report.finished);
   const std::vector<double>& losses = report.loss_history;
   const auto mean = [&](size_t first) {
     return std::accumulate(losses.begin() + first, losses.begin() + first + 20, 0.0) / 20;
   };
   EXPECT_LT(mean(losses.size() - 20), 0.8 * mean(0));
-  EXPECT_EQ(LoadModel(folder_ / "model.pt").info.network.kind, Quick(GetParam()).network.kind);
+  EXPECT_EQ(LoadModel(folder_ / "model.net").info.network.kind, Quick(GetParam()).network.kind);
 
-  const auto estimator = MakeEstimator(Setup("model.pt"));
+  const auto estimator = MakeEstimator(Setup("model.net"));
   EXPECT_GE(ShareFound(*estimator, views_), 0.5);
 
   // An unreadable file and another mesh are reported with the command that repairs them.
-  const std::string bytes = ReadFileBytes(folder_ / "model.pt");
-  WriteFileAtomically(folder_ / "cut.pt", bytes.substr(0, bytes.size() / 2));
+  const std::string bytes = ReadFileBytes(folder_ / "model.net");
+  WriteFileAtomically(folder_ / "cut.net", bytes.substr(0, bytes.size() / 2));
   const std::string command = std::string("`pickbed train ") + GetParam();
-  EXPECT_THAT(ErrorOf([&] { MakeEstimator(Setup("cut.pt")); }),
-              testing::AllOf(HasSubstr("cut.pt"), HasSubstr(command)));
-  EstimatorSetup changed = Setup("model.pt");
+  EXPECT_THAT(ErrorOf([&] { MakeEstimator(Setup("cut.net")); }),
+              testing::AllOf(HasSubstr("cut.net"), HasSubstr(command)));
+  EstimatorSetup changed = Setup("model.net");
   auto object = std::make_shared<ObjectModel>(*changed.objects[0]);
   object->mesh_hash += 1;
   changed.objects = {object};
@@ -98,16 +98,16 @@ TEST_P(PublishedMethod, SameSeedSameFileAndOtherMethodIsRefused) {
   options.clutter_scenes = 3;
   options.verifier_clutter_scenes = 2;
   options.verifier_room_scenes = 0;
-  Train("a.pt", options);
-  Train("b.pt", options);
-  EXPECT_EQ(ReadFileBytes(folder_ / "a.pt"), ReadFileBytes(folder_ / "b.pt"));
+  Train("a.net", options);
+  Train("b.net", options);
+  EXPECT_EQ(ReadFileBytes(folder_ / "a.net"), ReadFileBytes(folder_ / "b.net"));
   options.network.kind = "convolutional";
   options.candidates.votes = "neighbors";
-  Train("other.pt", options);
-  EXPECT_THAT(ErrorOf([&] { MakeEstimator(Setup("other.pt")); }),
-              testing::AllOf(HasSubstr("other.pt"), HasSubstr("kind convolutional")));
+  Train("other.net", options);
+  EXPECT_THAT(ErrorOf([&] { MakeEstimator(Setup("other.net")); }),
+              testing::AllOf(HasSubstr("other.net"), HasSubstr("kind convolutional")));
   options.candidates.votes = "regressed";
-  EXPECT_THAT(ErrorOf([&] { Train("none.pt", options); }), HasSubstr("regresses no poses"));
+  EXPECT_THAT(ErrorOf([&] { Train("none.net", options); }), HasSubstr("regresses no poses"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, PublishedMethod, testing::Values("kehl", "doumanoglou"));
@@ -126,9 +126,9 @@ TEST(UnionOfVotes, EachPatchCastsVotesOfBothNetworks) {
     TrainDescriptor({views, temporary.path() / name, {}, false, {}, "test", {}}, options);
   };
   const double side = TrainingOptions().patch_diameters;
-  train("descriptor", "look_up.pt", side);
-  train("doumanoglou", "regression.pt", side);
-  train("doumanoglou", "narrow.pt", 0.5 * side);
+  train("descriptor", "look_up.net", side);
+  train("doumanoglou", "regression.net", side);
+  train("doumanoglou", "narrow.net", 0.5 * side);
   EstimatorSetup setup;
   setup.objects = views.objects();
   setup.intrinsics = SmallCamera();
@@ -141,12 +141,12 @@ TEST(UnionOfVotes, EachPatchCastsVotesOfBothNetworks) {
   options.candidates.points = 60;
   const auto make = [&](const std::filesystem::path& regression) {
     return MakeLearnedEstimator(setup, options,
-                                {temporary.path() / "look_up.pt", "", kTrainCommand, regression});
+                                {temporary.path() / "look_up.net", "", kTrainCommand, regression});
   };
   const LabelledView view = views.ClutterScene({5000, 1}).front();
   EstimateTrace trace;
   Rng rng(1);
-  make(temporary.path() / "regression.pt")->Estimate({view.frame, OutOfSightBin(), &trace}, rng);
+  make(temporary.path() / "regression.net")->Estimate({view.frame, OutOfSightBin(), &trace}, rng);
   ASSERT_FALSE(trace.patches.empty());
   const size_t votes_per_patch = options.candidates.neighbors + 1;
   ASSERT_EQ(trace.votes.size(), trace.patches.size() * votes_per_patch);
@@ -154,8 +154,8 @@ TEST(UnionOfVotes, EachPatchCastsVotesOfBothNetworks) {
     EXPECT_EQ(trace.votes[i].patch, static_cast<int>(i / votes_per_patch));
   }
   EXPECT_THAT(ErrorOf([&] { make({}); }), HasSubstr("regresses no poses"));
-  EXPECT_THAT(ErrorOf([&] { make(temporary.path() / "narrow.pt"); }),
-              testing::AllOf(HasSubstr("narrow.pt"), HasSubstr("same patch_diameters")));
+  EXPECT_THAT(ErrorOf([&] { make(temporary.path() / "narrow.net"); }),
+              testing::AllOf(HasSubstr("narrow.net"), HasSubstr("same patch_diameters")));
 }
 
 TEST(PublishedSettings, OutOfRangeSettingsReportTheRange) {

@@ -101,7 +101,7 @@ TEST(ScoreCalibration, IsOnlyForItsEstimator) {
   spec.name = "ppf";
   EXPECT_THAT(ErrorOf([&] { CalibrationFor(spec); }), HasSubstr("is for estimator 'process'"));
   spec = SpecOf(file);
-  spec.model = "other.pt";
+  spec.model = "other.net";
   EXPECT_THAT(ErrorOf([&] { CalibrationFor(spec); }), HasSubstr("model"));
   spec = SpecOf(file);
   spec.calibrated_to = "pick_succeeds";

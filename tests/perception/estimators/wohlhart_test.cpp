@@ -96,12 +96,12 @@ class WohlhartInBins : public testing::Test {
 };
 
 TEST_F(WohlhartInBins, LearnsAndFindsUnoccludedInstances) {
-  ASSERT_TRUE(Train("model.pt", Quick()).finished);
-  const auto estimator = MakeWohlhartEstimator(Setup("model.pt"));
+  ASSERT_TRUE(Train("model.net", Quick()).finished);
+  const auto estimator = MakeWohlhartEstimator(Setup("model.net"));
   EXPECT_GE(ShareFound(*estimator, views_), 0.5);
 
   // For another mesh, the templates of the network would be wrong.
-  EstimatorSetup changed = Setup("model.pt");
+  EstimatorSetup changed = Setup("model.net");
   auto object = std::make_shared<ObjectModel>(*changed.objects[0]);
   object->mesh_hash += 1;
   changed.objects = {object};
@@ -114,10 +114,10 @@ TEST_F(WohlhartInBins, SameSeedSameFile) {
   WohlhartBinOptions options = Quick();
   options.network.iterations = 150;
   options.views.clutter_scenes = 2;
-  Train("a.pt", options);
-  Train("b.pt", options);
-  EXPECT_EQ(ReadFileBytes(folder_ / "a.pt"), ReadFileBytes(folder_ / "b.pt"));
-  const VerifierFile file = LoadVerifiers(folder_ / "a.pt", "wohlhart");
+  Train("a.net", options);
+  Train("b.net", options);
+  EXPECT_EQ(ReadFileBytes(folder_ / "a.net"), ReadFileBytes(folder_ / "b.net"));
+  const VerifierFile file = LoadVerifiers(folder_ / "a.net", "wohlhart");
   EXPECT_THAT(file.network.settings, HasSubstr("parts: \"test part\""));
   EXPECT_EQ(WohlhartNetwork(options.network, 1).weights(),
             static_cast<int64_t>(file.network.weights.size()));
@@ -132,18 +132,18 @@ TEST_F(WohlhartInBins, ResumeWithOtherSettingsIsRefused) {
   auto changed = std::make_shared<ObjectModel>(*views_.objects()[0]);
   changed->mesh_hash += 1;
   begun.network = {MakeWohlhartTraining(options)->NetworkSettings({changed}), {1.0f}};
-  SaveVerifiers(folder_ / "other_mesh.pt", begun);
+  SaveVerifiers(folder_ / "other_mesh.net", begun);
   begun.network.settings = MakeWohlhartTraining(options)->NetworkSettings(views_.objects());
-  SaveVerifiers(folder_ / "begun.pt", begun);
+  SaveVerifiers(folder_ / "begun.net", begun);
   const auto refused = [&](const char* name) {
     EXPECT_THAT(
         ErrorOf([&] { Train(name, options, true); }),
         testing::AllOf(HasSubstr(name), HasSubstr("its network was trained for other objects"),
                        HasSubstr("do not resume it")));
   };
-  refused("other_mesh.pt");
+  refused("other_mesh.net");
   options.network.margin = 0.02;
-  refused("begun.pt");
+  refused("begun.net");
 }
 
 TEST_F(WohlhartInBins, UntrainedObjectsAreRefused) {

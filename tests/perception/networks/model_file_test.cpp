@@ -25,7 +25,7 @@ class ModelFile : public testing::Test {
  protected:
   // Saves a model without training and returns its file.
   std::filesystem::path Untrained() {
-    const std::filesystem::path file = folder_ / "model.pt";
+    const std::filesystem::path file = folder_ / "model.net";
     ModelInfo info;
     info.objects = {{"test part", objects_[0]->mesh_hash, 0.08, 0.064}};
     info.network.descriptor = 8;
@@ -71,8 +71,8 @@ TEST_F(ModelFile, RoundTripKeepsAColourNetwork) {
   info.network = {"autoencoder", 8};
   info.network.autoencoder.channels = "rgbd";
   const DescriptorNetwork network(info.network, 3);
-  SaveModel(folder_ / "rgbd.pt", info, network, {verifier_});
-  const DescriptorModel model = LoadModel(folder_ / "rgbd.pt");
+  SaveModel(folder_ / "rgbd.net", info, network, {verifier_});
+  const DescriptorModel model = LoadModel(folder_ / "rgbd.net");
   std::vector<int8_t> patches(3 * kPatchValues);
   for (size_t i = 0; i < patches.size(); ++i) patches[i] = static_cast<int8_t>(i * 37 % 251 - 125);
   EXPECT_EQ(model.network.Describe(patches), network.Describe(patches));
@@ -85,7 +85,7 @@ TEST_F(ModelFile, DamagedFilesAreRefusedByName) {
   for (const double share : {0.0, 0.1, 0.5, 0.9, 0.999}) {
     WriteFileAtomically(file, bytes.substr(0, static_cast<size_t>(share * bytes.size())));
     const std::string error = ErrorOf([&] { LoadModel(file); });
-    EXPECT_THAT(error, HasSubstr("model.pt")) << "cut to " << share;
+    EXPECT_THAT(error, HasSubstr("model.net")) << "cut to " << share;
     EXPECT_THAT(error, HasSubstr("pickbed train"));
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
   }
@@ -99,29 +99,29 @@ TEST_F(ModelFile, DamagedFilesAreRefusedByName) {
   EXPECT_GE(refused, 10) << "flipped bits among the weights are not detected";
   WriteFileAtomically(file, "hello");
   EXPECT_THAT(ErrorOf([&] { LoadModel(file); }), HasSubstr("cut short"));
-  EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "absent.pt"); }), HasSubstr("absent.pt"));
+  EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "absent.net"); }), HasSubstr("absent.net"));
 }
 
 TEST_F(ModelFile, NewerVersionIsReportedAsSuch) {
   TensorFile content("descriptor model", 99);
-  WriteFileAtomically(folder_ / "model.pt", content.Bytes());
-  EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "model.pt"); }),
-              HasSubstr("model.pt: it is of version 99, newer than this program"));
+  WriteFileAtomically(folder_ / "model.net", content.Bytes());
+  EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "model.net"); }),
+              HasSubstr("model.net: it is of version 99, newer than this program"));
 }
 
 TEST_F(ModelFile, FilesOfAnotherKindAreRefused) {
   VerifierFile verifiers;
   verifiers.estimator = "ppf";
-  SaveVerifiers(folder_ / "ppf.pt", verifiers);
-  EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "ppf.pt"); }),
-              HasSubstr("ppf.pt: it is not a descriptor model but a file of verifiers"));
+  SaveVerifiers(folder_ / "ppf.net", verifiers);
+  EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "ppf.net"); }),
+              HasSubstr("ppf.net: it is not a descriptor model but a file of verifiers"));
 }
 
 // PyTorch runs the code in an archive when it opens it.
 TEST_F(ModelFile, PyTorchArchivesAreRefusedUnread) {
-  WriteFileAtomically(folder_ / "old.pt", std::string("PK\3\4 and code", 13));
-  EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "old.pt"); }),
-              HasSubstr("old.pt: it is a PyTorch archive, which can run code"));
+  WriteFileAtomically(folder_ / "old.net", std::string("PK\3\4 and code", 13));
+  EXPECT_THAT(ErrorOf([&] { LoadModel(folder_ / "old.net"); }),
+              HasSubstr("old.net: it is a PyTorch archive, which can run code"));
 }
 
 // One hidden unit that uses only the first two features.
@@ -163,17 +163,17 @@ TEST(TrainedObjects, ColouredMeshUsesTheModelOfTheSameShape) {
   object->mesh_hash = MeshHash(colored);
   ASSERT_NE(object->mesh_hash, MeshHash(plain));
   const std::vector<ModelObject> trained{{"bracket", MeshHash(plain), 0.08, 0.064}};
-  EXPECT_EQ(TrainedObjects(trained, {object}, "m.pt"), std::vector{0});
+  EXPECT_EQ(TrainedObjects(trained, {object}, "m.net"), std::vector{0});
   auto other = std::make_shared<ObjectModel>(*object);
   other->mesh_O.vertices.back().x() += 0.001;
   other->mesh_hash = MeshHash(other->mesh_O);
-  EXPECT_THAT(ErrorOf([&] { TrainedObjects(trained, {other}, "m.pt"); }),
+  EXPECT_THAT(ErrorOf([&] { TrainedObjects(trained, {other}, "m.net"); }),
               HasSubstr("has changed since training"));
 }
 
 TEST(ShippedModel, CanBeLoaded) {
   const DescriptorModel model =
-      LoadModel(std::filesystem::path(PICKBED_SOURCE_DIR) / "assets/models/shipped.pt");
+      LoadModel(std::filesystem::path(PICKBED_SOURCE_DIR) / "assets/models/shipped.net");
   EXPECT_GE(model.info.objects.size(), 12u);
   EXPECT_EQ(model.verifiers.size(), model.info.objects.size());
 }
@@ -181,15 +181,15 @@ TEST(ShippedModel, CanBeLoaded) {
 TEST_F(ModelFile, UnknownObjectsAndChangedMeshesAreNamed) {
   const DescriptorModel model = LoadModel(Untrained());
   const ObjectSet& known = objects_;
-  EXPECT_EQ(TrainedObjects(model.info.objects, known, "m.pt"), std::vector{0});
+  EXPECT_EQ(TrainedObjects(model.info.objects, known, "m.net"), std::vector{0});
   auto changed = std::make_shared<ObjectModel>(*known[0]);
   changed->mesh_hash += 1;
-  EXPECT_THAT(ErrorOf([&] { TrainedObjects(model.info.objects, {changed}, "m.pt"); }),
-              HasSubstr("m.pt: the mesh of object 'test part' has changed"));
+  EXPECT_THAT(ErrorOf([&] { TrainedObjects(model.info.objects, {changed}, "m.net"); }),
+              HasSubstr("m.net: the mesh of object 'test part' has changed"));
   changed->name = "widget";
   EXPECT_THAT(
-      ErrorOf([&] { TrainedObjects(model.info.objects, {changed}, "m.pt"); }),
-      HasSubstr("m.pt: not trained for object 'widget' (knows test part); train a model with "
+      ErrorOf([&] { TrainedObjects(model.info.objects, {changed}, "m.net"); }),
+      HasSubstr("m.net: not trained for object 'widget' (knows test part); train a model with "
                 "`pickbed train widget`"));
 }
 

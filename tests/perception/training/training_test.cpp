@@ -53,7 +53,7 @@ TrainingOptions TinyOptions() {
 class Training : public testing::Test {
  protected:
   TrainingJob Job(const std::string& name) {
-    return {views_, folder_ / (name + ".pt"), folder_ / (name + ".ckpt"), false, {}, "test sensor",
+    return {views_, folder_ / (name + ".net"), folder_ / (name + ".ckpt"), false, {}, "test sensor",
             {}};
   }
 
@@ -210,7 +210,7 @@ TEST_F(Training, WeightsDoNotDependOnTheSpeedOfRendering) {
   options.clutter_scenes = 6;
   const TrainingReport quick = TrainDescriptor(Job("quick"), options);
   SlowViews slow_views(views_.objects(), std::chrono::milliseconds(150));
-  const TrainingJob slow{slow_views, folder_ / "slow.pt", {}, false, {}, "test sensor", {}};
+  const TrainingJob slow{slow_views, folder_ / "slow.net", {}, false, {}, "test sensor", {}};
   TrainDescriptor(slow, options);
   EXPECT_EQ(LoadModel(Job("quick").model_file).hash, LoadModel(slow.model_file).hash);
   EXPECT_EQ(ReadFileBytes(Job("quick").model_file), ReadFileBytes(slow.model_file));
@@ -279,7 +279,7 @@ TEST_F(Training, FailureOfTheViewsIsRethrown) {
       throw std::runtime_error("no settled clutter scene");
     }
   } broken(views_.objects());
-  TrainingJob job{broken, folder_ / "m.pt", {}, false, {}, "", {}};
+  TrainingJob job{broken, folder_ / "m.net", {}, false, {}, "", {}};
   EXPECT_THROW(TrainDescriptor(job, TinyOptions()), std::runtime_error);
 }
 
@@ -302,14 +302,14 @@ class AddedObject : public Training {
 
 TEST_F(AddedObject, OldObjectsAreRehearsedAndKeepTheirVerifiers) {
   RayCastViews first({old_});
-  TrainingJob job{first, folder_ / "old.pt", {}, false, {}, "test sensor", {}};
+  TrainingJob job{first, folder_ / "old.net", {}, false, {}, "test sensor", {}};
   TrainDescriptor(job, TinyOptions());
   const DescriptorModel before = LoadModel(job.model_file);
 
   RayCastViews both({new_, old_});
   TrainingOptions options = TinyOptions();
   options.rehearsal = 0.5;
-  TrainingJob added{both, folder_ / "both.pt", {}, false, job.model_file, "test sensor", {}};
+  TrainingJob added{both, folder_ / "both.net", {}, false, job.model_file, "test sensor", {}};
   const TrainingReport report = TrainDescriptor(added, options);
   EXPECT_EQ(report.rehearsed, (std::vector<uint8_t>{0, 1}));
   EXPECT_EQ(report.loss_history.size(), 36u);  // 24 for the new object, half for the old one
@@ -325,12 +325,12 @@ TEST_F(AddedObject, OldObjectsAreRehearsedAndKeepTheirVerifiers) {
 
 TEST_F(AddedObject, NoStepsKeepTheOldNetwork) {
   RayCastViews first({old_});
-  TrainingJob job{first, folder_ / "old.pt", {}, false, {}, "test sensor", {}};
+  TrainingJob job{first, folder_ / "old.net", {}, false, {}, "test sensor", {}};
   TrainDescriptor(job, TinyOptions());
   RayCastViews both({new_, old_});
   TrainingOptions options = TinyOptions();
   options.iterations = 0;
-  TrainingJob added{both, folder_ / "both.pt", {}, false, job.model_file, "test sensor", {}};
+  TrainingJob added{both, folder_ / "both.net", {}, false, job.model_file, "test sensor", {}};
   TrainDescriptor(added, options);
   EXPECT_EQ(LoadModel(added.model_file).network_hash, LoadModel(job.model_file).network_hash);
 }
@@ -342,10 +342,10 @@ TEST_F(AddedObject, ResumeSkipsFinishedVerifiers) {
         both, folder_ / name, folder_ / (std::string(name) + ".ckpt"), false, {}, "test sensor",
         {}};
   };
-  TrainingJob straight = job_of("straight.pt");
+  TrainingJob straight = job_of("straight.net");
   TrainDescriptor(straight, TinyOptions());
 
-  TrainingJob job = job_of("resumed.pt");
+  TrainingJob job = job_of("resumed.net");
   const auto second = [](const TrainingProgress& p) { return 2 * p.done >= p.total; };
   job.on_progress = [&](const TrainingProgress& p) { return p.phase != "verifier" || !second(p); };
   EXPECT_FALSE(TrainDescriptor(job, TinyOptions()).finished);
@@ -362,10 +362,10 @@ TEST_F(AddedObject, ResumeSkipsFinishedVerifiers) {
 
 TEST_F(AddedObject, ChangedMeshIsLearnedAsANewObject) {
   RayCastViews first({old_});
-  TrainingJob job{first, folder_ / "old.pt", {}, false, {}, "test sensor", {}};
+  TrainingJob job{first, folder_ / "old.net", {}, false, {}, "test sensor", {}};
   TrainDescriptor(job, TinyOptions());
   RayCastViews changed({Named("old", ScaledY(BracketMesh(), 0.7), 3)});
-  TrainingJob again{changed, folder_ / "again.pt", {}, false, job.model_file, "test sensor", {}};
+  TrainingJob again{changed, folder_ / "again.net", {}, false, job.model_file, "test sensor", {}};
   const TrainingReport report = TrainDescriptor(again, TinyOptions());
   EXPECT_EQ(report.rehearsed, (std::vector<uint8_t>{0}));
   EXPECT_EQ(LoadModel(again.model_file).info.objects[0].mesh_hash, 3u);
@@ -386,7 +386,7 @@ TEST_F(Training, ObjectThatIsNeverVisibleIsNamed) {
       return result;
     }
   } unseen(views_.objects());
-  TrainingJob job{unseen, folder_ / "m.pt", {}, false, {}, "", {}};
+  TrainingJob job{unseen, folder_ / "m.net", {}, false, {}, "", {}};
   EXPECT_THAT(ErrorOf([&] { TrainDescriptor(job, options); }),
               HasSubstr("object 'test part' was never visible enough"));
 }

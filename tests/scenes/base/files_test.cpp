@@ -60,10 +60,10 @@ TEST(WriteFileAtomically, WritesAndReplacesWithoutOtherFiles) {
 
 TEST(RequireWritable, RefusesUnusablePathsAndCreatesNothing) {
   const TemporaryFolder folder;
-  RequireWritable(folder.path() / "model.pt");
+  RequireWritable(folder.path() / "model.net");
   EXPECT_EQ(FilesIn(folder.path()), 0);
   EXPECT_THAT(InputErrorOf([&] { RequireWritable(folder.path()); }), HasSubstr("it is a folder"));
-  EXPECT_THAT(InputErrorOf([&] { RequireWritable(folder.path() / "none" / "model.pt"); }),
+  EXPECT_THAT(InputErrorOf([&] { RequireWritable(folder.path() / "none" / "model.net"); }),
               HasSubstr("No such file"));
 }
 
