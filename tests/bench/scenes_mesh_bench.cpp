@@ -4,12 +4,15 @@
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
+#include <string>
 
 #include "scenes/base/files.h"
 #include "scenes/geometry/mass_properties.h"
 #include "scenes/geometry/mesh_query.h"
+#include "scenes/mesh_io/mesh_import.h"
 #include "scenes/mesh_io/mesh_io.h"
 #include "tests/scenes/shapes.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
 namespace {
@@ -21,6 +24,29 @@ void BM_LoadMesh(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(BM_LoadMesh)->Name("load_mesh/pipe_tee");
+
+// The import alone, and with the process and the cache around it.
+void BM_ImportMesh(benchmark::State& state) {
+  const std::filesystem::path path = AssetsDir() / "objects" / "pipe_tee" / "mesh.obj";
+  for (auto _ : state) benchmark::DoNotOptimize(ImportMesh(path, 1));
+}
+BENCHMARK(BM_ImportMesh)->Name("load_mesh/pipe_tee/import");
+
+void BM_LoadUncachedMesh(benchmark::State& state) {
+  // A copy at a new place is not in the cache.
+  const TemporaryFolder folder;
+  const std::string bytes = ReadFileBytes(AssetsDir() / "objects" / "pipe_tee" / "mesh.obj");
+  int copy = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    const std::filesystem::path path = folder.path() / std::to_string(copy++) / "mesh.obj";
+    std::filesystem::create_directories(path.parent_path());
+    WriteFileAtomically(path, bytes);
+    state.ResumeTiming();
+    benchmark::DoNotOptimize(LoadMesh(path));
+  }
+}
+BENCHMARK(BM_LoadUncachedMesh)->Name("load_mesh/pipe_tee/uncached")->UseRealTime()->Iterations(50);
 
 void BM_Diameter(benchmark::State& state) {
   const TriangleMesh ball = BallShape(0.1, static_cast<int>(state.range(0)));

@@ -5,8 +5,8 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
+#include "scenes/base/cache_file.h"
 #include "scenes/mesh_io/mesh_io.h"
 #include "scenes/part_families/part_families.h"
 #include "sim/convex/convex_hull.h"
@@ -156,8 +156,14 @@ TEST_F(CachedPieces, ReadBackExactly) {
 
 TEST_F(CachedPieces, AreReadFromTheCache) {
   WithConvexPieces(bare_);
-  std::ofstream(Files().at(0)) << "1\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\nend\n";
+  WriteCacheFile(Files().at(0), "1\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n");
   EXPECT_EQ(WithConvexPieces(bare_)->convex_pieces_O.size(), 1u);
+}
+
+TEST_F(CachedPieces, AreRecomputedIfAPieceIsCutShort) {
+  const auto made = WithConvexPieces(bare_);
+  WriteCacheFile(Files().at(0), "1\n4\n0 0 0\n1 0 0\n0 1");
+  EXPECT_EQ(WithConvexPieces(bare_)->convex_pieces_O.size(), made->convex_pieces_O.size());
 }
 
 TEST_F(CachedPieces, AreRecomputedIfTheFileIsTruncated) {
