@@ -15,16 +15,17 @@ namespace {
 
 constexpr char kFirstPage[] = "commands.md";
 constexpr char kResultsPage[] = "commands_results.md";
+constexpr char kDatasetsPage[] = "commands_datasets.md";
 constexpr char kObjectsPage[] = "commands_objects.md";
-constexpr std::array<std::string_view, 8> kOnResultsPage{
-    "merge", "budget", "replay", "benchmark", "dataset", "score", "execute", "tolerance"};
+constexpr std::array<std::string_view, 5> kOnResultsPage{"merge", "budget", "replay", "benchmark",
+                                                         "tolerance"};
+constexpr std::array<std::string_view, 3> kOnDatasetsPage{"dataset", "score", "execute"};
 
 std::string PageOf(const CommandRow& row) {
   const std::span<const CommandRow> first = CommandTable().first(kFirstCommands);
   if (&row >= first.data() && &row < first.data() + first.size()) return kFirstPage;
-  const bool is_listed =
-      std::find(kOnResultsPage.begin(), kOnResultsPage.end(), row.name) != kOnResultsPage.end();
-  return is_listed ? kResultsPage : kObjectsPage;
+  if (std::ranges::count(kOnResultsPage, row.name) > 0) return kResultsPage;
+  return std::ranges::count(kOnDatasetsPage, row.name) > 0 ? kDatasetsPage : kObjectsPage;
 }
 
 // A default in words is no code.
@@ -97,6 +98,7 @@ void AddCommandPages(Pages& pages) {
   const std::string others =
       fmt::format("All commands are listed in [Commands]({}).\n", kFirstPage);
   pages[kResultsPage] = PageHead("Commands for results and measurements") + others;
+  pages[kDatasetsPage] = PageHead("Commands for datasets") + others;
   pages[kObjectsPage] = PageHead("Commands for scenes, objects and models") + others;
   for (const CommandRow& row : CommandTable()) {
     AddCommand(DescribeCommand(row), 2, pages[PageOf(row)]);

@@ -154,7 +154,7 @@ ResultsStore::ResultsStore(const std::filesystem::path& folder, const StoreHead&
   Transaction transaction(db);
   RequireKnownVersion(db);
   if (!IsOfThisVersion(db)) Migrate(db);
-  if (HoldsTrials(db)) CheckStructure(db);
+  if (HoldsTrials(db)) CheckTables(db);
   // Without a trial, for example after a run that failed before the end of its first one, the
   // settings may change.
   if (!HoldsTrials(db)) WriteHead(db, head);
@@ -180,13 +180,15 @@ ResultsStore ResultsStore::OpenToRead(const std::filesystem::path& folder, Store
   CheckInput(db.HasTable("trials") && db.HasTable("settings"),
              fmt::format("{} is no results store of pickbed", file.string()));
   if (IsOfThisVersion(db)) {
-    if (checks == StoreChecks::kAll) CheckStructure(db);
+    if (checks != StoreChecks::kVersion) CheckTables(db);
+    if (checks == StoreChecks::kRows) CheckRows(db);
     StoreHead head = ReadHead(db);
     return ResultsStore(std::make_unique<Impl>(std::move(db), std::move(head)));
   }
   Database copy = db.CopyInMemory();
   Migrate(copy);
-  CheckStructure(copy);
+  CheckTables(copy);
+  if (checks == StoreChecks::kRows) CheckRows(copy);
   StoreHead head = ReadHead(copy);
   return ResultsStore(std::make_unique<Impl>(std::move(copy), std::move(head)));
 }
@@ -340,44 +342,71 @@ std::vector<TrialResult> ResultsStore::Read(int first, int end) const {
     results.push_back(std::move(row.result));
     results.back().trial = row.trial;
   }
-  const auto of = [&](int trial) -> TrialResult& { return results[index.at(trial)]; };
+  const auto fail = [&](const char* table, int trial, const char* fault) {
+    ThrowDamaged(db, table, fmt::format("trial {}", trial), fault);
+  };
+  const auto of = [&](const char* table, int trial) -> TrialResult& {
+    const auto found = index.find(trial);
+    if (found == index.end()) fail(table, trial, "table 'trials' has no such finished trial");
+    return results[found->second];
+  };
+  const auto attempt_of = [&](const char* table, int trial, int attempt) -> AttemptRecord& {
+    std::vector<AttemptRecord>& attempts = of(table, trial).attempts;
+    if (attempt < 0 || attempt >= static_cast<int>(attempts.size())) {
+      fail(table, trial, "table 'attempts' has no such attempt");
+    }
+    return attempts[attempt];
+  };
   for (AttemptRow& row : Select<AttemptRow>(db, "attempts", range)) {
+    std::vector<AttemptRecord>& attempts = of("attempts", row.trial).attempts;
+    if (row.record.attempt != static_cast<int>(attempts.size())) {
+      fail("attempts", row.trial, "the numbers of its attempts have a gap");
+    }
     if (row.executed) row.record.grasp = row.grasp;
-    of(row.trial).attempts.push_back(std::move(row.record));
+    attempts.push_back(std::move(row.record));
   }
   for (HypothesisRow& row : Select<HypothesisRow>(db, "hypotheses", range)) {
-    of(row.trial).attempts[row.attempt].hypotheses.push_back(row.score);
+    AttemptRecord& attempt = attempt_of("hypotheses", row.trial, row.attempt);
+    if (row.hypothesis != static_cast<int>(attempt.hypotheses.size())) {
+      fail("hypotheses", row.trial, "the numbers of its hypotheses have a gap");
+    }
+    attempt.hypotheses.push_back(row.score);
   }
-  ForEachRow<HypothesisMetricRow>(db, "hypothesis_metrics", range, [&](HypothesisMetricRow& row) {
-    HypothesisRecord& score = of(row.trial).attempts[row.attempt].hypotheses.at(row.hypothesis);
-    score.metrics.Set(row.value.metric, row.value.value);
+  constexpr const char* kMetrics = "hypothesis_metrics";
+  ForEachRow<HypothesisMetricRow>(db, kMetrics, range, [&](HypothesisMetricRow& row) {
+    AttemptRecord& attempt = attempt_of(kMetrics, row.trial, row.attempt);
+    if (row.hypothesis < 0 || row.hypothesis >= static_cast<int>(attempt.hypotheses.size())) {
+      fail(kMetrics, row.trial, "table 'hypotheses' has no such hypothesis");
+    }
+    attempt.hypotheses[row.hypothesis].metrics.Set(row.value.metric, row.value.value);
   });
   for (InstanceRow& row : Select<InstanceRow>(db, "instances", range)) {
-    of(row.trial).attempts[row.attempt].instances.push_back(row.record);
+    attempt_of("instances", row.trial, row.attempt).instances.push_back(row.record);
   }
-  for (const InstanceOutcomeRow& row : Select<InstanceOutcomeRow>(db, "instance_outcomes", range))
-    of(row.trial).outcomes.push_back(row.instance_outcome);
+  for (const InstanceOutcomeRow& row : Select<InstanceOutcomeRow>(db, "instance_outcomes", range)) {
+    of("instance_outcomes", row.trial).outcomes.push_back(row.instance_outcome);
+  }
   for (const RejectionRow& row : Select<RejectionRow>(db, "rejections", range)) {
-    of(row.trial).attempts[row.attempt].grasps_rejected[row.cause] = row.grasps;
+    attempt_of("rejections", row.trial, row.attempt).grasps_rejected[row.cause] = row.grasps;
   }
   for (const RefusalRow& row : Select<RefusalRow>(db, "refusals", range)) {
-    std::vector<RefusedScene>& refused = of(row.trial).refused;
+    std::vector<RefusedScene>& refused = of("refusals", row.trial).refused;
     if (refused.empty() || refused.back().attempt != row.attempt) {
       refused.push_back({row.attempt, {}});
     }
     refused.back().faults.push_back(row.fault);
   }
   for (const BandRow& row : Select<BandRow>(db, "bands", range)) {
-    of(row.trial).bands.push_back(row.account);
+    of("bands", row.trial).bands.push_back(row.account);
   }
   for (const TimingRow& row : Select<TimingRow>(db, "timings", range)) {
-    of(row.trial).seconds[CurrentStage(row.stage)] = row.seconds;
+    of("timings", row.trial).seconds[CurrentStage(row.stage)] = row.seconds;
   }
   for (const TrialResult& result : results) {
     try {
       CheckValues(result);
     } catch (const InputError& error) {
-      ThrowDamaged(db, "trials", result.trial, error.what());
+      ThrowDamaged(db, "trials", fmt::format("trial {}", result.trial), error.what());
     }
   }
   return results;

@@ -63,10 +63,10 @@ std::optional<std::string> StoredSettings(const std::filesystem::path& folder);
 // Returns the value of the line "seed: N" of a settings text, 0 if there is none.
 uint64_t SeedIn(const std::string& settings);
 
-// What is checked when a store is opened: its version only, or also that its tables are whole and
+// What is checked when a store is opened: its version only, also its tables, or also that all rows
 // belong together (eval/store/store_check.h). Programs that ask for the progress of a run again and
-// again check the version only.
-enum class StoreChecks { kVersion, kAll };
+// again check the version only. Programs that copy rows unread check all.
+enum class StoreChecks { kVersion, kTables, kRows };
 
 // The results file of a run or sweep. Several processes can write to it at the same time.
 class ResultsStore {
@@ -79,7 +79,7 @@ class ResultsStore {
   // Opens an existing store without changing it; the file may be read-only. A file of an earlier
   // version is converted in memory. Throws InputError if there is no store, or if it is damaged.
   static ResultsStore OpenToRead(const std::filesystem::path& folder,
-                                 StoreChecks checks = StoreChecks::kAll);
+                                 StoreChecks checks = StoreChecks::kTables);
   // Removes the journal file that killed writers left beside the store. A journal that remains does
   // no harm.
   static void Tidy(const std::filesystem::path& folder);

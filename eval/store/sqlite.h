@@ -117,9 +117,9 @@ class Statement {
 inline constexpr const char* kRestoreAdvice =
     "restore the file from a copy, or repeat the run in another results folder";
 
-// Throws InputError that names file, table, row and fault of a damaged store.
-[[noreturn]] void ThrowDamaged(const Database& db, const std::string& table, int64_t row,
-                               const std::string& fault);
+// Throws InputError that names file, table, place ("row 5") and fault of a damaged store.
+[[noreturn]] void ThrowDamaged(const Database& db, const std::string& table,
+                               const std::string& place, const std::string& fault);
 
 // Returns the names of the columns of a row, in the order of its Visit().
 template <typename Row>
@@ -189,7 +189,8 @@ void ForEachRow(const Database& db, const char* table, const std::string& clause
       });
     } catch (const InputError& error) {
       statement.Read(0, number);
-      ThrowDamaged(db, table, number, fmt::format("column '{}': {}", at, error.what()));
+      ThrowDamaged(db, table, fmt::format("row {}", number),
+                   fmt::format("column '{}': {}", at, error.what()));
     }
     use(row);
   }

@@ -13,7 +13,7 @@ namespace pickbed::eval {
 namespace {
 
 // The pages of larger files are not checked, because that takes longer than reading the results.
-constexpr double kLargestCheckedBytes = 512e6;
+constexpr double kLargestCheckedBytes = 64e6;
 
 void CheckPages(const Database& db) {
   Statement size(db, "SELECT page_count * page_size FROM pragma_page_count, pragma_page_size");
@@ -47,7 +47,7 @@ void RequireNoRow(const Database& db, const std::string& table, const std::strin
   if (!statement.Step()) return;
   int row = 0;
   statement.Read(0, row);
-  ThrowDamaged(db, table, row, fault);
+  ThrowDamaged(db, table, fmt::format("row {}", row), fault);
 }
 
 // Requires that the rows of `table` with equal `keys` are numbered from 0 without a gap.
@@ -74,13 +74,13 @@ void RequireOwner(const Database& db, const std::string& table, const std::strin
 
 }  // namespace
 
-void ThrowDamaged(const Database& db, const std::string& table, int64_t row,
+void ThrowDamaged(const Database& db, const std::string& table, const std::string& place,
                   const std::string& fault) {
   throw InputError(
-      fmt::format("{}: table '{}', row {}: {}; {}", db.file(), table, row, fault, kRestoreAdvice));
+      fmt::format("{}: table '{}', {}: {}; {}", db.file(), table, place, fault, kRestoreAdvice));
 }
 
-void CheckStructure(const Database& db) {
+void CheckTables(const Database& db) {
   CheckPages(db);
   CheckColumns<ConfigurationRow>(db, "configurations");
   ForEachTrialTable([&]<typename Row>(const char* table) { CheckColumns<Row>(db, table); });
@@ -93,6 +93,9 @@ void CheckStructure(const Database& db) {
       db, "trials",
       fmt::format("SELECT rowid FROM trials WHERE status NOT IN ('{}', '{}')", kFinished, kCrashed),
       fmt::format("its status is neither {} nor {}", kFinished, kCrashed));
+}
+
+void CheckRows(const Database& db) {
   ForEachTrialTable([&]<typename Row>(const char* table) {
     if (std::is_same_v<Row, TrialRow>) return;
     RequireNoRow(db, table,

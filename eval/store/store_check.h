@@ -7,10 +7,15 @@
 
 namespace pickbed::eval {
 
-// Checks the pages of the file, its tables and columns, and that the rows of the tables belong
-// together: each attempt to a trial, each hypothesis to an attempt, without gaps. `db` has the
-// present schema. Throws InputError that names the file, the table and the row.
-void CheckStructure(const Database& db);
+// Checks the pages of the file (up to 64 MB), its tables and columns, and its configurations and
+// trials. `db` has the present schema. Throws InputError that names the file, the table and the
+// row.
+void CheckTables(const Database& db);
+
+// Checks that the rows of all tables belong together: each attempt to a trial, each hypothesis to
+// an attempt, without gaps. It takes longer than reading the store, which finds the same faults; it
+// is for rows that are copied unread. Throws as CheckTables().
+void CheckRows(const Database& db);
 
 // Checks values of one trial that other values depend on: indices, shares and counts. Throws
 // InputError that says what is wrong, without the file.

@@ -104,7 +104,7 @@ class Plan {
   Plan(std::filesystem::path out, bool compare) : out_(std::move(out)), compare_(compare) {}
 
   void Add(const std::filesystem::path& folder) {
-    const ResultsStore store = ResultsStore::OpenToRead(folder);
+    const ResultsStore store = ResultsStore::OpenToRead(folder, StoreChecks::kRows);
     Source source{folder, store.head(), {}};
     Rebase(folder, out_, source.head);
     const int end = EndTrial(source.head, store.FinishedTrials());

@@ -6,6 +6,8 @@
 #include <torch/nn/modules/conv.h>
 #include <torch/types.h>
 
+#include <cstdint>
+
 namespace pickbed::perception {
 
 // Convolution in three dimensions, batch normalization, ReLU.

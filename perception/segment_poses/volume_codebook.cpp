@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/base/byte_blocks.h"
 #include "perception/completion/random_view.h"
 #include "perception/features/labelled_patches.h"
+#include "scenes/base/byte_blocks.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 

@@ -267,7 +267,7 @@ ImportedMesh ImportMesh(const fs::path& path, double scale) {
   mesh = Joined(std::move(submeshes), shelf);
   const auto is_finite = [](const Eigen::Vector3d& vertex) { return vertex.allFinite(); };
   CheckInput(std::ranges::all_of(mesh.vertices, is_finite),
-             "mesh '" + path.string() + "' has a vertex that is not finite; export it again");
+             "mesh '" + path.string() + "' has vertices that are not numbers; export it again");
   const size_t faces = mesh.triangles.size();
   DropDegenerate(mesh);
   imported.report.degenerate_faces = static_cast<int>(faces - mesh.triangles.size());

@@ -25,7 +25,7 @@ void BM_LoadMesh(benchmark::State& state) {
 }
 BENCHMARK(BM_LoadMesh)->Name("load_mesh/pipe_tee");
 
-// The import alone, and with the process and the cache around it.
+// The import alone; the next benchmark adds the process and the cache.
 void BM_ImportMesh(benchmark::State& state) {
   const std::filesystem::path path = AssetsDir() / "objects" / "pipe_tee" / "mesh.obj";
   for (auto _ : state) benchmark::DoNotOptimize(ImportMesh(path, 1));

@@ -74,7 +74,7 @@ INSTANTIATE_TEST_SUITE_P(
         EditedStore{"DELETE FROM attempts", "has no such attempt"},
         EditedStore{"DELETE FROM attempts WHERE trial = 1 AND attempt = 0", "have a gap"},
         EditedStore{"UPDATE hypotheses SET attempt = 100000",
-                    "table 'hypotheses', row 1: table 'attempts' has no such attempt"},
+                    "table 'hypotheses', trial 0: table 'attempts' has no such attempt"},
         EditedStore{"UPDATE hypotheses SET attempt = -1", "has no such attempt"},
         EditedStore{"UPDATE instances SET attempt = -1", "table 'instances'"},
         EditedStore{"UPDATE rejections SET attempt = 99", "table 'rejections'"},
@@ -105,11 +105,27 @@ INSTANTIATE_TEST_SUITE_P(
                     "table 'trials', row 1: table 'configurations' has no such configuration"},
         EditedStore{"UPDATE trials SET status = 'lost'", "neither finished nor crashed"},
         EditedStore{"UPDATE trials SET layers = x'00'", "is a BLOB"},
-        EditedStore{"UPDATE trials SET trial = 7 WHERE trial = 2", "has no such trial"},
+        EditedStore{"UPDATE trials SET trial = 7 WHERE trial = 2",
+                    "table 'attempts', trial 2: table 'trials' has no such finished trial"},
         EditedStore{"DELETE FROM configurations", "has no such configuration"},
         EditedStore{"ALTER TABLE attempts DROP COLUMN slip_m",
                     "table 'attempts' has no column 'slip_m'"},
         EditedStore{"DROP TABLE hypotheses", "table 'hypotheses' has no column 'trial'"}));
+
+// A merge copies rows unread.
+TEST_F(StoreCheck, RowsAreCheckedTogetherBeforeTheyAreCopied) {
+  const auto error = [&] {
+    return Refusal([&] { ResultsStore::OpenToRead(temporary_.path(), StoreChecks::kRows); });
+  };
+  EXPECT_EQ(error(), "");
+  Edit("UPDATE hypothesis_metrics SET hypothesis = 99 WHERE rowid = 1");
+  EXPECT_THAT(error(), HasSubstr("table 'hypothesis_metrics', row 1: table 'hypotheses' has no"));
+  Edit("UPDATE hypotheses SET attempt = 7 WHERE rowid = 2");
+  EXPECT_THAT(error(),
+              HasSubstr("table 'hypotheses', row 2: table 'attempts' has no such attempt"));
+  Edit("DELETE FROM trials WHERE trial = 1");
+  EXPECT_THAT(error(), HasSubstr("table 'trials' has no such trial"));
+}
 
 // A damaged page that SQLite does not notice when it reads the rows.
 TEST_F(StoreCheck, DamagedPagesAreRefused) {

@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-#include "scenes/base/byte_blocks.h"
 #include "perception/completion/completion_file.h"
 #include "perception/completion/completion_network.h"
 #include "perception/completion/sample_stream.h"
+#include "scenes/base/byte_blocks.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "tests/perception/completion/solid_views.h"
