@@ -25,7 +25,7 @@ void BM_LoadMesh(benchmark::State& state) {
 }
 BENCHMARK(BM_LoadMesh)->Name("load_mesh/pipe_tee");
 
-// The import alone; the next benchmark adds the process and the cache.
+// Only the import, without the process and the cache of the next benchmark.
 void BM_ImportMesh(benchmark::State& state) {
   const std::filesystem::path path = AssetsDir() / "objects" / "pipe_tee" / "mesh.obj";
   for (auto _ : state) benchmark::DoNotOptimize(ImportMesh(path, 1));
