@@ -12,24 +12,37 @@ constexpr int64_t kRows = 4, kColumns = 16;  // of the block whose sums stay in 
 
 int64_t RoundedUp(int64_t value, int64_t step) { return (value + step - 1) / step * step; }
 
-// Adds the products of a block in the order of the inputs. The compiler computes several columns at
-// once, which does not change the order within a column. The variant for AVX2 has no fused
-// multiply-add, so that both variants round alike.
+// Eight columns. The compiler splits them into two registers where there are none of this size.
+constexpr int64_t kLanes = 8;
+typedef float Lanes __attribute__((vector_size(kLanes * sizeof(float)), aligned(4), may_alias));
+
+// Adds the products of a block in the order of the inputs. Several columns are computed at once,
+// which does not change the order within a column. The variant for AVX2 has no fused multiply-add,
+// so that both variants round alike.
 #if defined(__GNUC__) && !defined(__clang__)
 __attribute__((target_clones("avx2", "default")))
 #endif
 void MultiplyBlock(const float* rows, const float* weights, int64_t inputs, float* sums) {
-  float block[kRows][kColumns];
-  std::copy_n(sums, kRows * kColumns, &block[0][0]);
+  static_assert(kRows == 4 && kColumns == 2 * kLanes);
+  Lanes* const stored = reinterpret_cast<Lanes*>(sums);
+  Lanes a0 = stored[0], a1 = stored[1], b0 = stored[2], b1 = stored[3];
+  Lanes c0 = stored[4], c1 = stored[5], d0 = stored[6], d1 = stored[7];
   for (int64_t input = 0; input < inputs; ++input) {
-    for (int64_t row = 0; row < kRows; ++row) {
-      const float value = rows[row * inputs + input];
-      for (int64_t column = 0; column < kColumns; ++column) {
-        block[row][column] += value * weights[input * kColumns + column];
-      }
-    }
+    const Lanes* const columns = reinterpret_cast<const Lanes*>(weights + input * kColumns);
+    const Lanes left = columns[0], right = columns[1];
+    const float a = rows[input], b = rows[inputs + input];
+    const float c = rows[2 * inputs + input], d = rows[3 * inputs + input];
+    a0 += a * left;
+    a1 += a * right;
+    b0 += b * left;
+    b1 += b * right;
+    c0 += c * left;
+    c1 += c * right;
+    d0 += d * left;
+    d1 += d * right;
   }
-  std::copy_n(&block[0][0], kRows * kColumns, sums);
+  stored[0] = a0, stored[1] = a1, stored[2] = b0, stored[3] = b1;
+  stored[4] = c0, stored[5] = c1, stored[6] = d0, stored[7] = d1;
 }
 
 // Returns the weights [outputs, inputs] as blocks of kColumns outputs, each [inputs, kColumns].
