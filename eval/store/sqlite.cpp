@@ -159,26 +159,30 @@ std::string Statement::Shown(int column) const {
                      OneLine(text == nullptr ? "NULL" : reinterpret_cast<const char*>(text)));
 }
 
+// The message is made only for a fault: this runs for every value of a store.
+void Statement::Require(bool ok, int column, const char* fault) const {
+  if (!ok) throw InputError(Shown(column) + fault);
+}
+
 void Statement::Read(int column, int& value) const {
   const int64_t stored = sqlite3_column_int64(statement_, column);
   value = static_cast<int>(stored);
-  CheckInput(sqlite3_column_type(statement_, column) == SQLITE_INTEGER && value == stored,
-             Shown(column) + " is no integer of 32 bits");
+  Require(sqlite3_column_type(statement_, column) == SQLITE_INTEGER && value == stored, column,
+          " is no integer of 32 bits");
 }
 
 void Statement::Read(int column, bool& value) const {
   const int64_t stored = sqlite3_column_int64(statement_, column);
-  CheckInput(
-      sqlite3_column_type(statement_, column) == SQLITE_INTEGER && (stored == 0 || stored == 1),
-      Shown(column) + " is neither 0 nor 1");
+  Require(sqlite3_column_type(statement_, column) == SQLITE_INTEGER && (stored == 0 || stored == 1),
+          column, " is neither 0 nor 1");
   value = stored != 0;
 }
 
 void Statement::Read(int column, double& value) const {
   const int type = sqlite3_column_type(statement_, column);
   // SQLite stores NaN as NULL.
-  CheckInput(type == SQLITE_FLOAT || type == SQLITE_INTEGER || type == SQLITE_NULL,
-             Shown(column) + " is no number");
+  Require(type == SQLITE_FLOAT || type == SQLITE_INTEGER || type == SQLITE_NULL, column,
+          " is no number");
   value = sqlite3_column_double(statement_, column);
 }
 
@@ -188,12 +192,14 @@ void Statement::Read(int column, uint64_t& value) const {
   value = 0;
   const char* const end = text.data() + text.size();
   const auto [after, error] = std::from_chars(text.data(), end, value);
-  CheckInput(text.empty() || (error == std::errc() && after == end),
-             Shown(column) + " is no unsigned integer of 64 bits");
+  Require(text.empty() || (error == std::errc() && after == end), column,
+          " is no unsigned integer of 64 bits");
 }
 
 void Statement::Read(int column, std::string& value) const {
-  CheckInput(sqlite3_column_type(statement_, column) != SQLITE_BLOB, "is a BLOB and no text");
+  if (sqlite3_column_type(statement_, column) == SQLITE_BLOB) {
+    throw InputError("is a BLOB and no text");
+  }
   const unsigned char* text = sqlite3_column_text(statement_, column);
   value = text == nullptr ? "" : reinterpret_cast<const char*>(text);
 }
@@ -202,21 +208,21 @@ void Statement::Read(int column, FailureReason& value) const {
   std::string name;
   Read(column, name);
   const std::optional<FailureReason> reason = FailureFromName(name);
-  CheckInput(name.empty() || reason, Shown(column) + " is no failure reason");
+  Require(name.empty() || reason, column, " is no failure reason");
   value = reason.value_or(FailureReason::kNone);
 }
 
 void Statement::Read(int column, Pose& value) const {
   constexpr double kTolerance = 1e-3;
   const std::vector<double> numbers = ReadJson<double>(column);
-  CheckInput(numbers.size() == 12, Shown(column) + " is no list of 12 numbers");
+  Require(numbers.size() == 12, column, " is no list of 12 numbers");
   value.matrix().topRows<3>() =
       Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(numbers.data());
   const Eigen::Matrix3d& rotation = value.linear();
   const double deviation =
       (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  CheckInput(deviation < kTolerance && rotation.determinant() > 0,
-             Shown(column) + " is no pose: its rotation is not orthonormal");
+  Require(deviation < kTolerance && rotation.determinant() > 0, column,
+          " is no pose: its rotation is not orthonormal");
 }
 
 void Statement::Read(int column, std::vector<int>& value) const { value = ReadJson<int>(column); }

@@ -106,6 +106,7 @@ class Statement {
 
  private:
   std::string Shown(int column) const;
+  void Require(bool ok, int column, const char* fault) const;
   template <typename Number>
   std::vector<Number> ReadJson(int column) const;
 

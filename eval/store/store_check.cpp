@@ -118,7 +118,7 @@ void CheckValues(const TrialResult& result) {
              "a number of instances is negative");
   for (const AttemptRecord& attempt : result.attempts) {
     const auto check = [&](bool ok, const char* fault) {
-      CheckInput(ok, fmt::format("attempt {}: {}", attempt.attempt, fault));
+      if (!ok) throw InputError(fmt::format("attempt {}: {}", attempt.attempt, fault));
     };
     const int hypotheses = static_cast<int>(attempt.hypotheses.size());
     check(attempt.chosen >= -1 && attempt.chosen < hypotheses,
