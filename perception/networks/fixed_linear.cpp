@@ -19,7 +19,7 @@ typedef float Lanes __attribute__((vector_size(kLanes * sizeof(float)), aligned(
 // Adds the products of a block in the order of the inputs. Several columns are computed at once,
 // which does not change the order within a column. The variant for AVX2 has no fused multiply-add,
 // so that both variants round alike.
-#if defined(__GNUC__) && !defined(__clang__)
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
 __attribute__((target_clones("avx2", "default")))
 #endif
 void MultiplyBlock(const float* rows, const float* weights, int64_t inputs, float* sums) {
