@@ -216,10 +216,11 @@ void AddCompletedGrasps(const CompletedGrasps& grasps, HtmlPage& page) {
   page.Heading("Grasps of unknown objects");
   page.Paragraph(
       "Picks in physics. Single: one shape in the bin, and one attempt. Bins: several shapes, "
-      "picked by the policy of the scenario. All planners get the same bins. Row truth has the "
-      "true "
-      "shapes, so no completion can exceed it. 95 % intervals are over shapes, and differences to "
-      "the first planner are paired by shape.");
+      "picked by the policy of the scenario. All planners get the same bins. Row truth plans on "
+      "the "
+      "true shapes. 95 % intervals are over shapes, and differences to the first planner are "
+      "paired "
+      "by shape.");
   page.Table(GraspTable(grasps));
 }
 

@@ -22,7 +22,7 @@ inline constexpr char kCompletedGraspsShapesFile[] = "completion_grasps_shapes.c
 
 struct CompletedGraspsOptions {
   // Rows of the table: planners without poses, or kTrueShapes for the planner `completed` with the
-  // true shapes, which no completion can exceed. The first is the reference.
+  // true shapes. The first is the reference.
   std::vector<std::string> planners{"completed", "skirt", "cloud_antipodal", kTrueShapes};
   std::string scenario = "clutter_unseen";  // name or file; its bins draw from a pool of shapes
   int single = 40;                          // drops of a single shape
