@@ -157,6 +157,7 @@ class FrameDoubts {
  public:
   void Add(const DatasetEstimate& place, const std::vector<FrameFinding>& findings) {
     ++images_;
+    if (!findings.empty()) findings_[{place.scene_id, place.image_id}] = findings;
     const bool has_error = !findings.empty() && findings.front().is_error;
     images_with_error_ += has_error;
     std::set<FrameFault> counted;
@@ -167,6 +168,12 @@ class FrameDoubts {
       doubt.line = fmt::format("image {}/{}: {}", place.scene_id, place.image_id, finding.text);
       if (finding.is_error && error_.empty()) error_ = doubt.line;
     }
+  }
+
+  // Moves the colour image as the findings of this image say.
+  void RegisterColorOf(const DatasetEstimate& place, RgbdFrame& frame) const {
+    const auto found = findings_.find({place.scene_id, place.image_id});
+    if (found != findings_.end()) RegisterColor(found->second, frame);
   }
 
   // Throws InputError if no image is usable. An image without readings is only skipped.
@@ -187,6 +194,7 @@ class FrameDoubts {
     std::string line;  // about the first image
     int images = 0;
   };
+  std::map<std::pair<int, int>, std::vector<FrameFinding>> findings_;  // by scene and image
   int images_ = 0, images_with_error_ = 0;
   std::string error_;
   std::map<FrameFault, Doubt> doubts_;
@@ -201,7 +209,7 @@ const ImageTruth& TargetImage(const SceneTruth& scene, int image_id) {
 }
 
 using TakeImage = std::function<void(const DatasetEstimate& place, const ImageTruth& image,
-                                     const ImageTargets& targets, const RgbdFrame& frame)>;
+                                     const ImageTargets& targets, RgbdFrame& frame)>;
 
 // Reads each target image from disk and passes it to `take`.
 void ForEachTarget(const fs::path& root, const std::string& split, const SplitTargets& targets,
@@ -214,7 +222,8 @@ void ForEachTarget(const fs::path& root, const std::string& split, const SplitTa
       place.scene_id = scene_id;
       place.image_id = image_id;
       const ImageTruth& image = TargetImage(scene, image_id);
-      take(place, image, image_targets, ReadFrame(scene, image));
+      RgbdFrame frame = ReadFrame(scene, image);
+      take(place, image, image_targets, frame);
     }
   }
 }
@@ -295,7 +304,8 @@ std::vector<DatasetEstimate> EstimateDataset(
   std::vector<DatasetEstimate> estimates;
   ForEachTarget(root, split, targets,
                 [&](const DatasetEstimate& place, const ImageTruth& image,
-                    const ImageTargets& image_targets, const RgbdFrame& frame) {
+                    const ImageTargets& image_targets, RgbdFrame& frame) {
+                  doubts.RegisterColorOf(place, frame);
                   const bool sees = HasReadings(frame.depth_m);
                   if (!runner && sees) {
                     runner.emplace(std::move(objects), options, frame, on_progress);
@@ -325,7 +335,8 @@ ExplanationPage ExplainTarget(
   const SceneTruth scene =
       ReadSceneTruth(root / split / SceneFolderName(place.scene_id), place.scene_id, ThrowFault);
   const ImageTruth& truth = TargetImage(scene, place.image_id);
-  const RgbdFrame frame = ReadFrame(scene, truth);
+  RgbdFrame frame = ReadFrame(scene, truth);
+  RegisterColor(CheckFrame(frame, runner.objects(), truth.depth_scale_mm), frame);
   EstimateTrace trace;
   Rng rng = RngOf(options, place);
   const ImageTargets& asked = targets.scenes.at(place.scene_id).at(place.image_id);

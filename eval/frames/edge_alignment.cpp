@@ -18,15 +18,21 @@ constexpr std::array<double, 7> kScales{1, 0.8, 0.87, 0.93, 1.08, 1.16, 1.25};
 // Gradients above this are equally good edges. Else a few strong ones would decide.
 constexpr float kFullGradient = 12;  // grey levels per px
 
-// Strength of the colour edges, 0..1. A pixel has the largest of its neighbours, because depth
-// edges are inaccurate and the search has steps.
+// Strength of the colour edges, 0..1.
 Image<float> EdgeStrength(const RgbdFrame& frame) {
   const perception::ColorEdges edges = perception::FindColorEdges(frame.intrinsics, frame.color);
-  Image<float> strength(edges.du.width(), edges.du.height()), wide = strength;
+  Image<float> strength(edges.du.width(), edges.du.height());
   for (size_t i = 0; i < strength.size(); ++i) {
     const float gradient = std::hypot(edges.du.data()[i], edges.dv.data()[i]);
     strength.data()[i] = std::min(1.0f, gradient / kFullGradient);
   }
+  return strength;
+}
+
+// Gives each pixel the largest strength of its neighbours, because depth edges are inaccurate and
+// the search has steps.
+Image<float> Widened(const Image<float>& strength) {
+  Image<float> wide(strength.width(), strength.height());
   for (int y = kNear_px; y + kNear_px < wide.height(); ++y) {
     for (int x = kNear_px; x + kNear_px < wide.width(); ++x) {
       for (int v = y - kNear_px; v <= y + kNear_px; ++v) {
@@ -79,6 +85,24 @@ double MeanStrength(const Image<float>& strength, const std::vector<Eigen::Vecto
   return 2 * count > static_cast<int>(edges.size()) ? sum / count : 0;
 }
 
+// Shift within a step of `coarse` with the largest mean of unwidened strengths.
+Eigen::Vector2d RefinedShift(const Image<float>& strength,
+                             const std::vector<Eigen::Vector2d>& edges,
+                             const Eigen::Vector2d& center, const Eigen::Vector2d& coarse) {
+  Eigen::Vector2d best = coarse;
+  double best_mean = 0;
+  for (int dy = -kStep_px; dy <= kStep_px; ++dy) {
+    for (int dx = -kStep_px; dx <= kStep_px; ++dx) {
+      const Eigen::Vector2d shift = coarse + Eigen::Vector2d(dx, dy);
+      const double mean = MeanStrength(strength, edges, center, 1, shift);
+      if (mean <= best_mean) continue;
+      best_mean = mean;
+      best = shift;
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 double EdgeAlignment::CornerShift_px(const CameraIntrinsics& camera) const {
@@ -102,7 +126,7 @@ std::optional<EdgeAlignment> AlignEdges(const RgbdFrame& frame) {
   }
   const std::vector<Eigen::Vector2d> edges = DepthEdges(frame.depth_m);
   if (edges.size() < kMinEdges) return std::nullopt;
-  const Image<float> strength = EdgeStrength(frame);
+  const Image<float> sharp = EdgeStrength(frame), strength = Widened(sharp);
   const Eigen::Vector2d center(frame.intrinsics.cx(), frame.intrinsics.cy());
   EdgeAlignment best;
   double best_mean = 0, here = 0, sum = 0;
@@ -126,6 +150,7 @@ std::optional<EdgeAlignment> AlignEdges(const RgbdFrame& frame) {
   const double base = sum / count;
   if (best_mean < (1 + kMinPeak) * base) return std::nullopt;
   best.fit_here = std::clamp((here - base) / (best_mean - base), 0.0, 1.0);
+  if (best.scale == 1) best.shift_px = RefinedShift(sharp, edges, center, best.shift_px);
   return best;
 }
 

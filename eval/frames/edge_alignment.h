@@ -23,8 +23,9 @@ struct EdgeAlignment {
 };
 
 // Searches shifts up to 40 px and scales from 0.8 to 1.25. A scale other than 1 means that depth
-// was registered with other intrinsics. Returns nullopt if the frame has no colour, few depth edges
-// or no place that is clearly better than others, so that nothing can be said.
+// was registered with other intrinsics. Without a scale, the shift is refined to one pixel. Returns
+// nullopt if the frame has no colour, few depth edges or no place that is clearly better than
+// others, so that nothing can be said.
 std::optional<EdgeAlignment> AlignEdges(const RgbdFrame& frame);
 
 }  // namespace pickbed::eval

@@ -112,14 +112,17 @@ void CheckEdges(const RgbdFrame& frame, std::vector<FrameFinding>& findings) {
   const std::optional<EdgeAlignment> found = AlignEdges(frame);
   if (!found || found->fit_here >= kMinFit) return;
   if (found->CornerShift_px(frame.intrinsics) < kMinCornerShift_px) return;
-  const std::string scaled =
-      found->scale == 1 ? "" : fmt::format(" and scaled by {:.2f}", found->scale);
-  findings.push_back(
-      {FrameFault::kEdges, false,
-       fmt::format("the depth edges contradict the colour edges: they fit when moved by ({:.0f}, "
-                   "{:.0f}) px{}; check that depth is registered to this colour image with its "
-                   "intrinsics",
-                   found->shift_px.x(), found->shift_px.y(), scaled)});
+  const bool is_shift = found->scale == 1;
+  const std::string scaled = is_shift ? "; the colour image is moved accordingly"
+                                      : fmt::format(" and scaled by {:.2f}", found->scale);
+  FrameFinding finding{
+      FrameFault::kEdges, false,
+      fmt::format("the depth edges contradict the colour edges: they fit when moved by ({:.0f}, "
+                  "{:.0f}) px{}; check that depth is registered to this colour image with its "
+                  "intrinsics",
+                  found->shift_px.x(), found->shift_px.y(), scaled)};
+  if (is_shift) finding.color_move_px = (-found->shift_px).array().round().matrix().cast<int>();
+  findings.push_back(std::move(finding));
 }
 
 }  // namespace
@@ -139,6 +142,20 @@ std::vector<FrameFinding> CheckFrame(const RgbdFrame& frame, const ObjectSet& ob
   CheckEdges(frame, findings);
   std::ranges::stable_partition(findings, [](const FrameFinding& f) { return f.is_error; });
   return findings;
+}
+
+void RegisterColor(const std::vector<FrameFinding>& findings, RgbdFrame& frame) {
+  for (const FrameFinding& finding : findings) {
+    const Eigen::Vector2i& move = finding.color_move_px;
+    if (move.isZero()) continue;
+    const Image<Rgb8> color = frame.color;
+    for (int y = 0; y < color.height(); ++y) {
+      const int v = std::clamp(y - move.y(), 0, color.height() - 1);
+      for (int x = 0; x < color.width(); ++x) {
+        frame.color(x, y) = color(std::clamp(x - move.x(), 0, color.width() - 1), v);
+      }
+    }
+  }
 }
 
 }  // namespace pickbed::eval

@@ -23,6 +23,8 @@ struct FrameFinding {
   FrameFault fault = FrameFault::kNoReadings;
   bool is_error = false;  // else the frame is usable but doubtful
   std::string text;       // one line with the reason and a remedy
+  // Movement of the colour image after which its edges fit the depth edges; 0 = none is known.
+  Eigen::Vector2i color_move_px{0, 0};
 };
 
 // Checks a frame against the objects that may be in it. `depth_scale_mm` is the scale with which
@@ -35,5 +37,9 @@ struct FrameFinding {
 // - depth edges that fit the colour edges elsewhere, see AlignEdges() (doubtful)
 std::vector<FrameFinding> CheckFrame(const RgbdFrame& frame, const ObjectSet& objects,
                                      double depth_scale_mm);
+
+// Moves the colour image of a frame as its findings say. Pixels at the border are repeated, so that
+// no edge arises.
+void RegisterColor(const std::vector<FrameFinding>& findings, RgbdFrame& frame);
 
 }  // namespace pickbed::eval

@@ -100,7 +100,7 @@ std::vector<BackgroundPlane> PlanesOf(const KnownBackground& background) {
 void MarkBackground(const std::optional<KnownBackground>& background, const CloudOptions& options,
                     const Image<uint8_t>* region, OrganizedCloud& cloud) {
   const CameraIntrinsics& k = cloud.intrinsics;
-  const double margin = options.background_margin_m;
+  const double margin = options.background_margin_m * cloud.error_scale;
   if (background) {
     const Bin& bin = background->bin;
     cloud.background = BackgroundKind::kKnown;
@@ -140,26 +140,6 @@ void FillPoints(OrganizedCloud& cloud) {
 }
 
 }  // namespace
-
-float DepthNoiseAt1m(const Image<float>& depth_m) {
-  constexpr int kRowStep = 4;
-  constexpr size_t kMinReadings = 100;
-  constexpr float kMaxCurvature = 0.02f;  // larger differences are edges, of the depth
-  std::vector<float> differences;
-  for (int y = kRowStep / 2; y < depth_m.height(); y += kRowStep) {
-    for (int x = 1; x + 1 < depth_m.width(); ++x) {
-      const float left = depth_m(x - 1, y), z = depth_m(x, y), right = depth_m(x + 1, y);
-      if (!(left > 0) || !(z > 0) || !(right > 0)) continue;
-      const float difference = std::abs(z - 0.5f * (left + right));
-      if (difference < kMaxCurvature * z) differences.push_back(difference / (z * z));
-    }
-  }
-  if (differences.size() < kMinReadings) return 0;
-  const auto median = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), median, differences.end());
-  // The median of |x| is 0.6745 sigma; the difference has the variance 1.5 sigma^2.
-  return *median / (0.6745f * std::sqrt(1.5f));
-}
 
 Image<float> FillSinglePixelHoles(const Image<float>& depth_m) {
   constexpr int kMinNeighbors = 6;  // fewer: an edge or a larger hole
@@ -204,8 +184,9 @@ OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackg
   cloud.intrinsics = frame.intrinsics;
   cloud.color = frame.color;
   cloud.edges = FindColorEdges(frame.intrinsics, frame.color);
-  cloud.noise_at_1m = DepthNoiseAt1m(frame.depth_m);
   cloud.depth_m = FillSinglePixelHoles(frame.depth_m);
+  cloud.depth_statistics = MeasureDepth(cloud.depth_m);
+  cloud.error_scale = ErrorScale(cloud.depth_statistics);
   MarkBackground(background, options, region, cloud);
   if (region != nullptr) {
     for (size_t i = 0; i < region->size(); ++i) {
@@ -213,7 +194,8 @@ OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackg
     }
   }
   cloud.normals_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());
-  const PlaneFitOptions fit{.window_px = options.normal_window_px, .band_m = options.fit_band_m};
+  const PlaneFitOptions fit{.window_px = options.normal_window_px,
+                            .band_m = options.fit_band_m * cloud.error_scale};
   FitPlanes(cloud.intrinsics, cloud.foreground, fit, cloud.depth_m, cloud.normals_C);
   FillPoints(cloud);
   return cloud;

@@ -15,6 +15,7 @@
 
 #include "perception/cloud/background_fit.h"
 #include "perception/cloud/color_edges.h"
+#include "perception/cloud/depth_statistics.h"
 #include "scenes/base/settings.h"
 #include "scenes/bin/bin.h"
 #include "scenes/camera/rgbd_frame.h"
@@ -60,8 +61,9 @@ struct OrganizedCloud {
   Image<uint8_t> foreground;               // 1 = has a point and is not background
   std::vector<int> foreground_pixels;      // indices of the foreground pixels, ascending
   BackgroundKind background = BackgroundKind::kNone;
-  // Standard deviation of the readings on smooth surfaces along z, at 1 m; see DepthNoiseAt1m().
-  float noise_at_1m = 0;
+  DepthStatistics depth_statistics;  // of depth_m before it was smoothed
+  // Factor of lengths that guard against noise, >= 1; see ErrorScale().
+  double error_scale = 1;
   // Walls first, then the table or floor, known or fitted. Empty if there is no background and for
   // bins that are not boxes.
   std::vector<BackgroundPlane> planes;
@@ -75,11 +77,6 @@ struct OrganizedCloud {
 // planes are fitted to these pixels. The others keep their depth, as evidence against poses.
 OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
                           const CloudOptions& options = {}, const Image<uint8_t>* region = nullptr);
-
-// Estimates the noise of the depth from the image itself: the median difference of a reading from
-// the mean of its left and right neighbours, as a standard deviation, divided by z^2. Errors that
-// neighbours share do not count. Returns 0 for fewer than 100 readings with both neighbours.
-float DepthNoiseAt1m(const Image<float>& depth_m);
 
 // Returns the depth with single-pixel holes filled: a pixel without depth and with at least six
 // valid neighbours of eight gets their lower median.

@@ -160,10 +160,11 @@ struct DistanceLimits {
   double start_m, end_m;
 };
 
-DistanceLimits LimitsFor(const ModelPoints& model, const BidirectionalIcpOptions& options) {
+DistanceLimits LimitsFor(const ModelPoints& model, double error_scale,
+                         const BidirectionalIcpOptions& options) {
   const double largest_m = options.max_correspondence_distance_diameters * model.diameter_m;
-  return {std::min(options.max_correspondence_distance_m, largest_m),
-          std::min(options.final_correspondence_distance_m, largest_m)};
+  return {std::min(error_scale * options.max_correspondence_distance_m, largest_m),
+          std::min(error_scale * options.final_correspondence_distance_m, largest_m)};
 }
 
 // The pose after some iterations, and their number.
@@ -226,7 +227,7 @@ IcpResult BidirectionalIcp(const OrganizedCloud& cloud, const ModelPoints& model
                            const BidirectionalIcpOptions& options) {
   CheckSettings("BidirectionalIcpOptions", options);
   const BidirectionalProblem problem(cloud, model, options);
-  const DistanceLimits limits = LimitsFor(model, options);
+  const DistanceLimits limits = LimitsFor(model, cloud.error_scale, options);
   const CenteredPose start = ToCentered(X_CO, model);
   CenteredPose best = start;
   Rows rows = problem.Linearize(start, limits.end_m);

@@ -170,7 +170,8 @@ IcpResult PclIcp::Align(const ModelPoints& model, const Pose& X_CO) const {
   icp.setSearchMethodTarget(impl_->tree, /*force_no_recompute=*/true);
   icp.setInputTarget(impl_->target);
   icp.setInputSource(source);
-  icp.setMaxCorrespondenceDistance(options.max_correspondence_distance_m);
+  icp.setMaxCorrespondenceDistance(impl_->cloud.error_scale *
+                                   options.max_correspondence_distance_m);
   icp.setMaximumIterations(options.iterations);
   icp.setTransformationEpsilon(options.epsilon_m2);
   Cloud aligned;

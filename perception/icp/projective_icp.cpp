@@ -111,8 +111,8 @@ IcpResult ProjectiveIcp(const OrganizedCloud& cloud, const ModelPoints& model, c
 IcpResult ProjectiveIcpUnchecked(const OrganizedCloud& cloud, const ModelPoints& model,
                                  const Pose& X_CO, const ProjectiveIcpOptions& options) {
   const PlaneProblem problem(cloud, model, options.min_normal_cos);
-  const double first_m = options.max_correspondence_distance_m;
-  const double final_m = options.final_correspondence_distance_m;
+  const double first_m = cloud.error_scale * options.max_correspondence_distance_m;
+  const double final_m = cloud.error_scale * options.final_correspondence_distance_m;
   CenteredPose pose = ToCentered(X_CO, model);
   Subset subset;
   Select(model, X_CO, options.max_points, subset);

@@ -115,6 +115,10 @@ namespace {
 // With a time limit, the smallest number of clutter scenes, and of views of them.
 constexpr int kMinScenes = 4;
 
+// Four rooms in a row have all kinds of surroundings: a bin, no object, a table, no object.
+constexpr size_t kRoomKinds = 4;
+constexpr size_t kFolds = 3;  // of the cross-fitting
+
 bool IsPast(VerifierDeadlines::Time time) { return std::chrono::steady_clock::now() > time; }
 
 }  // namespace
@@ -221,20 +225,32 @@ class NetworkTrainer {
   // Finds candidates in the views until `end`, if given. Returns false if stopped.
   bool Find(const std::function<bool(double)>& on_share,
             const std::optional<VerifierDeadlines::Time>& end);
-  bool HasRight() const {
-    const auto& right = examples_.right;
-    const auto end = right.begin() + static_cast<std::ptrdiff_t>(examples_.held_out_from > 0
-                                                                     ? examples_.held_out_from
-                                                                     : right.size());
-    return std::find(right.begin(), end, 1) != end;
-  }
-  TrainedNetwork Train() const {
-    return TrainVerifier(examples_, options_.verifier, options_.seed);
-  }
-  // Calibrates the uncalibrated verifier for the backgrounds of the views.
-  void CalibrateScores(Verifier& verifier) const;
+  bool HasRight() const { return std::ranges::count(examples_.right, 1) > 0; }
+
+  // Trains the network on the first views and calibrates it on the others.
+  TrainedNetwork TrainKnown(Verifier& verifier) const;
+
+  // Trains the network for unknown backgrounds on all views and calibrates it, also on all views:
+  // the scores of a scene come from a network that did not learn from this scene (cross-fitting).
+  // There are too few rooms to hold some of them out.
+  void TrainUnknown(Verifier& verifier) const;
 
  private:
+  // Poses of all scores, by background and mode.
+  using Reported =
+      std::array<std::array<std::vector<ScoredPose>, kCandidateModes>, kBackgroundKinds>;
+
+  // Adds the poses that the uncalibrated verifier reports in a view.
+  void Report(const Verifier& verifier, size_t view, Reported& reported) const;
+
+  // Calibrates the verifier for the backgrounds of the views.
+  void CalibrateScores(const Reported& reported, Verifier& verifier) const;
+
+  size_t FoldOf(size_t view) const;
+
+  // Examples of the views that are not in a fold.
+  VerifierExamples ExamplesWithout(size_t fold) const;
+
   // A third of the rooms is searched as if no plane had been found, so that walls and tables give
   // candidates, too.
   OrganizedCloud CloudOf(size_t view) const {
@@ -253,15 +269,14 @@ class NetworkTrainer {
   const VerifierTrainingOptions& options_;
   std::vector<std::vector<std::vector<Candidate>>> found_;  // by view and source
   VerifierExamples examples_;
-  size_t learned_ = 0;  // views before the first that is held out
+  std::vector<size_t> examples_until_;  // number of examples after each view
 };
 
 bool NetworkTrainer::Find(const std::function<bool(double)>& on_share,
                           const std::optional<VerifierDeadlines::Time>& end) {
   const char* stream = is_known_ ? "training/verifier_view" : "training/verifier_room_view";
   StageSeconds seconds;
-  size_t count = views_.size();        // views that are used
-  std::vector<size_t> examples_until;  // number of examples after each view
+  size_t count = views_.size();  // views that are used
   found_.resize(count);
   for (size_t i = 0; i < count; ++i) {
     if (!on_share(static_cast<double>(i) / count)) return false;
@@ -274,33 +289,79 @@ bool NetworkTrainer::Find(const std::function<bool(double)>& on_share,
             IsRight(candidate.hypothesis.X_CO, views_[i], object_, refiner_.distances().front()));
       }
     }
-    examples_until.push_back(examples_.features.size());
+    examples_until_.push_back(examples_.features.size());
     const bool is_enough =
         i + 1 >= static_cast<size_t>(kMinScenes) * options_.views_per_scene || i + 1 == count;
     if (is_enough && end && IsPast(*end)) count = i + 1;
   }
   found_.resize(count);
-  learned_ = count - static_cast<size_t>(options_.calibration_share * count);
-  if (learned_ > 0) examples_.held_out_from = examples_until[learned_ - 1];
   return true;
 }
 
-void NetworkTrainer::CalibrateScores(Verifier& verifier) const {
-  using Reported = std::array<std::vector<ScoredPose>, kCandidateModes>;
-  std::array<Reported, kBackgroundKinds> reported;
-  for (size_t i = learned_; i < found_.size(); ++i) {
-    const OrganizedCloud cloud = CloudOf(i);
-    for (size_t s = 0; s < sources_.size(); ++s) {
-      PoseSelectionOptions all;
-      all.min_score = kNoScore;
-      const auto set = SelectPoses(cloud, refiner_.model_points(), refiner_.distances(),
-                                   {&verifier, 1}, found_[i][s], all);
-      const auto judged = Judge(set, views_[i], object_, refiner_.distances().front());
-      const BackgroundKind kind = is_known_ ? BackgroundKind::kKnown : cloud.background;
-      auto& poses = reported[static_cast<size_t>(kind)][s];
-      poses.insert(poses.end(), judged.begin(), judged.end());
+TrainedNetwork NetworkTrainer::TrainKnown(Verifier& verifier) const {
+  const size_t learned =
+      found_.size() - static_cast<size_t>(options_.calibration_share * found_.size());
+  VerifierExamples examples = examples_;
+  if (learned > 0) examples.held_out_from = examples_until_[learned - 1];
+  const TrainedNetwork trained = TrainVerifier(examples, options_.verifier, options_.seed);
+  verifier.known = verifier.unknown = trained.network;
+  Reported reported;
+  for (size_t i = learned; i < found_.size(); ++i) Report(verifier, i, reported);
+  CalibrateScores(reported, verifier);
+  return trained;
+}
+
+void NetworkTrainer::TrainUnknown(Verifier& verifier) const {
+  for (size_t kind = 1; kind < kBackgroundKinds; ++kind) verifier.calibrations[kind] = {};
+  Reported reported;
+  for (size_t fold = 0; fold < kFolds; ++fold) {
+    const VerifierExamples others = ExamplesWithout(fold);
+    const auto right = std::ranges::count(others.right, 1);
+    if (right == 0 || right == static_cast<std::ptrdiff_t>(others.right.size())) continue;
+    Verifier without = verifier;
+    without.unknown = TrainVerifier(others, options_.verifier, options_.seed).network;
+    for (size_t i = 0; i < found_.size(); ++i) {
+      if (FoldOf(i) == fold) Report(without, i, reported);
     }
   }
+  verifier.unknown = TrainVerifier(examples_, options_.verifier, options_.seed).network;
+  CalibrateScores(reported, verifier);
+}
+
+// All views of a scene are in one fold. The kinds of rooms change from scene to scene, so scenes
+// are taken by groups with all kinds.
+size_t NetworkTrainer::FoldOf(size_t view) const {
+  const size_t scene = view / static_cast<size_t>(options_.views_per_scene);
+  return scene / kRoomKinds % kFolds;
+}
+
+VerifierExamples NetworkTrainer::ExamplesWithout(size_t fold) const {
+  VerifierExamples others;
+  for (size_t i = 0; i < found_.size(); ++i) {
+    if (FoldOf(i) == fold) continue;
+    for (size_t k = i > 0 ? examples_until_[i - 1] : 0; k < examples_until_[i]; ++k) {
+      others.features.push_back(examples_.features[k]);
+      others.right.push_back(examples_.right[k]);
+    }
+  }
+  return others;
+}
+
+void NetworkTrainer::Report(const Verifier& verifier, size_t view, Reported& reported) const {
+  const OrganizedCloud cloud = CloudOf(view);
+  PoseSelectionOptions all;
+  all.min_score = kNoScore;
+  for (size_t s = 0; s < sources_.size(); ++s) {
+    const auto set = SelectPoses(cloud, refiner_.model_points(), refiner_.distances(),
+                                 {&verifier, 1}, found_[view][s], all);
+    const auto judged = Judge(set, views_[view], object_, refiner_.distances().front());
+    const BackgroundKind kind = is_known_ ? BackgroundKind::kKnown : cloud.background;
+    auto& poses = reported[static_cast<size_t>(kind)][s];
+    poses.insert(poses.end(), judged.begin(), judged.end());
+  }
+}
+
+void NetworkTrainer::CalibrateScores(const Reported& reported, Verifier& verifier) const {
   const auto known = static_cast<size_t>(BackgroundKind::kKnown);
   for (size_t kind = 0; kind < kBackgroundKinds; ++kind) {
     if ((kind == known) != is_known_) continue;
@@ -340,10 +401,7 @@ TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set, Obj
     if (!known.Find([&](double share) { return on_share(clutter_share * share); }, clutter_end)) {
       return {};
     }
-    const TrainedNetwork network = known.Train();
-    trained.verifier.known = trained.verifier.unknown = network.network;
-    trained.auc = network.auc;
-    known.CalibrateScores(trained.verifier);
+    trained.auc = known.TrainKnown(trained.verifier).auc;
   }
   const auto& known_calibrations = trained.verifier.calibrations.front();
   NetworkTrainer unknown(training_set.rooms, false, object, sources, options);
@@ -356,9 +414,7 @@ TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set, Obj
     trained.verifier.calibrations.fill(known_calibrations);
     return trained;
   }
-  trained.verifier.unknown = unknown.Train().network;
-  for (size_t kind = 1; kind < kBackgroundKinds; ++kind) trained.verifier.calibrations[kind] = {};
-  unknown.CalibrateScores(trained.verifier);
+  unknown.TrainUnknown(trained.verifier);
   return trained;
 }
 

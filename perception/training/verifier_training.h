@@ -5,7 +5,8 @@
 // backgrounds learns from rooms, of which every second is empty: all candidates there are the
 // estimator's own false positives. Ground truth labels the candidates right or wrong. Then the
 // score is calibrated for each background and mode on the poses that remain after pose selection:
-// logistic calibration (Platt 1999).
+// logistic calibration (Platt 1999). For known backgrounds these are views that were held out, for
+// unknown ones the scores are cross-fitted.
 
 #include <chrono>
 #include <functional>

@@ -208,7 +208,8 @@ DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pos
   scratch.Begin(k, box);
   scratch.Draw(mesh_, X_CO, cull_back_);
   const double z_m = (X_CO * bounds_O_.center()).z();
-  const float sigma_m = static_cast<float>(options_.sigma_m * std::max(1.0, z_m * z_m));
+  const float sigma_m =
+      static_cast<float>(options_.sigma_m * cloud.error_scale * std::max(1.0, z_m * z_m));
   const float band_m = static_cast<float>(options_.max_sigmas) * sigma_m;
   const float depth_band_m = static_cast<float>(options_.max_depth_bands) * band_m;
   const float min_cos = static_cast<float>(options_.min_normal_cos);

@@ -10,34 +10,14 @@
 namespace pickbed::perception {
 namespace {
 
-// Share of the pixels without a reading between the first and the last reading of their row. An
-// image of a bin without surroundings has no readings outside of it, and this is no failure.
-double HoleShare(const Image<float>& depth_m) {
-  constexpr int kRowStep = 4;
-  int holes = 0, pixels = 0;
-  for (int y = kRowStep / 2; y < depth_m.height(); y += kRowStep) {
-    int first = depth_m.width(), last = -1, readings = 0;
-    for (int x = 0; x < depth_m.width(); ++x) {
-      if (!(depth_m(x, y) > 0)) continue;
-      first = std::min(first, x);
-      last = x;
-      ++readings;
-    }
-    if (last < first) continue;
-    pixels += last - first + 1;
-    holes += last - first + 1 - readings;
-  }
-  return pixels > 0 ? static_cast<double>(holes) / pixels : 0;
-}
-
 double Excess(double value, double limit) { return std::max(0.0, value / limit - 1); }
 
 }  // namespace
 
 ImageDomain DomainOf(const OrganizedCloud& cloud) {
   ImageDomain domain;
-  domain.hole_share = HoleShare(cloud.depth_m);
-  domain.noise_at_1m_m = cloud.noise_at_1m;
+  domain.hole_share = cloud.depth_statistics.hole_share;
+  domain.error_at_1m_m = cloud.depth_statistics.Error_m();
   if (!cloud.planes.empty()) {
     const double down = std::abs(cloud.planes.back().normal_C.z());
     domain.tilt_rad = std::acos(std::min(1.0, down));
@@ -48,8 +28,8 @@ ImageDomain DomainOf(const OrganizedCloud& cloud) {
 double LogitPenalty(const ImageDomain& domain, double diameter_px) {
   constexpr double kNatsPerExcess = 2;
   return kNatsPerExcess *
-         (Excess(domain.hole_share, kMaxHoleShare) + Excess(domain.noise_at_1m_m, kMaxNoiseAt1m_m) +
-          Excess(domain.tilt_rad, kMaxTilt_rad) +
+         (Excess(domain.hole_share, kMaxHoleShare) +
+          Excess(domain.error_at_1m_m, kMaxTrainedError_m) + Excess(domain.tilt_rad, kMaxTilt_rad) +
           Excess(kMinDiameter_px, std::max(1.0, diameter_px)));
 }
 
@@ -61,11 +41,11 @@ std::vector<std::string> DomainWarnings(const ImageDomain& domain) {
                     "training: scores are lowered",
                     100 * domain.hole_share, 100 * kMaxHoleShare));
   }
-  if (domain.noise_at_1m_m > kMaxNoiseAt1m_m) {
+  if (domain.error_at_1m_m > kMaxTrainedError_m) {
     warnings.push_back(
         fmt::format("the depth has a noise of {:.1f} mm at 1 m, more than the {:.1f} "
                     "mm of the training: scores are lowered",
-                    1e3 * domain.noise_at_1m_m, 1e3 * kMaxNoiseAt1m_m));
+                    1e3 * domain.error_at_1m_m, 1e3 * kMaxTrainedError_m));
   }
   if (domain.tilt_rad > kMaxTilt_rad) {
     warnings.push_back(

@@ -11,15 +11,14 @@
 namespace pickbed::perception {
 
 // Ranges of the images of the training (guides/training.md).
-inline constexpr double kMaxHoleShare = 0.45;     // share of the pixels between readings of a row
-inline constexpr double kMaxNoiseAt1m_m = 0.004;  // standard deviation
-inline constexpr double kMinDiameter_px = 20;     // diameter of an object in the image
-inline constexpr double kMaxTilt_rad = 1.25;      // of the optical axis from the floor normal
+inline constexpr double kMaxHoleShare = 0.45;  // share of the pixels between readings of a row
+inline constexpr double kMinDiameter_px = 20;  // diameter of an object in the image
+inline constexpr double kMaxTilt_rad = 1.25;   // of the optical axis from the floor normal
 
 struct ImageDomain {
   double hole_share = 0;
-  double noise_at_1m_m = 0;
-  double tilt_rad = 0;  // 0 = no floor is known
+  double error_at_1m_m = 0;  // standard deviation; at most kMaxTrainedError_m in the training
+  double tilt_rad = 0;       // 0 = no floor is known
 };
 
 // Measures the image of a cloud.

@@ -66,14 +66,17 @@ ObjectSet LoadImageObjects(const ImageArguments& image, const std::string& catal
   return objects;
 }
 
-// Returns the doubts about a frame. Throws InputError for the first error.
-std::vector<std::string> Doubts(const FrameOfFiles& read, const ObjectSet& objects,
-                                const std::string& name) {
+// Returns the doubts about a frame and moves its colour image to its depth. Throws InputError for
+// the first error.
+std::vector<std::string> Doubts(const ObjectSet& objects, const std::string& name,
+                                FrameOfFiles& read) {
   std::vector<std::string> doubts;
-  for (const FrameFinding& finding : CheckFrame(read.frame, objects, read.depth_scale_mm)) {
+  const std::vector<FrameFinding> findings = CheckFrame(read.frame, objects, read.depth_scale_mm);
+  for (const FrameFinding& finding : findings) {
     CheckInput(!finding.is_error, name + ": " + finding.text);
     doubts.push_back(finding.text);
   }
+  RegisterColor(findings, read.frame);
   return doubts;
 }
 
@@ -127,8 +130,7 @@ int EstimateImage(const ScenarioRequest& arguments, const ImageArguments& image,
                   const std::string& roi, const std::string& out, int threads) {
   const std::filesystem::path file = arguments.scenario;
   CheckInput(!arguments.trials, "--trials applies to a SCENARIO; remove it for an image");
-  const FrameOfFiles read =
-      ReadFrameFiles({file, image.depth, image.intrinsics, image.depth_scale_mm});
+  FrameOfFiles read = ReadFrameFiles({file, image.depth, image.intrinsics, image.depth_scale_mm});
   std::vector<std::string> notes = read.notes;
   const ObjectSet objects = LoadImageObjects(image, arguments.catalog, notes);
   const std::string depth_name = image.depth.empty() ? file.string() : image.depth;
@@ -138,7 +140,7 @@ int EstimateImage(const ScenarioRequest& arguments, const ImageArguments& image,
                    read.depth_scale_mm,
                    estimator.name + ":" + estimator.mode,
                    roi,
-                   Doubts(read, objects, depth_name)};
+                   Doubts(objects, depth_name, read)};
   const RegionSpec region_spec = roi.empty() ? settings.roi : ParseRegion(roi);
   std::optional<ImageRegion> region;
   if (!region_spec.empty()) region = MakeRegion(region_spec, read.frame, std::nullopt, objects);

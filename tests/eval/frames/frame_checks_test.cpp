@@ -118,6 +118,21 @@ TEST(CheckFrame, DepthOfAnotherImageContradictsTheColourEdges) {
   }
 }
 
+// Colour from elsewhere is moved until the frame has no finding.
+TEST(RegisterColor, UndoesAShiftButNoScale) {
+  RgbdFrame frame = WithOtherColor(Blocks(), 16, -8, 1.0);
+  const auto findings = CheckFrame(frame, OneCube(0.05), 1);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_NEAR(findings.front().color_move_px.x(), -16, 1);
+  EXPECT_NEAR(findings.front().color_move_px.y(), 8, 1);
+  EXPECT_THAT(findings.front().text, HasSubstr("the colour image is moved"));
+  RegisterColor(findings, frame);
+  EXPECT_TRUE(CheckFrame(frame, OneCube(0.05), 1).empty());
+  const auto scaled = CheckFrame(WithOtherColor(Blocks(), 0, 0, 1.16), OneCube(0.05), 1);
+  ASSERT_EQ(scaled.size(), 1u);
+  EXPECT_TRUE(scaled.front().color_move_px.isZero());
+}
+
 TEST(AlignEdges, SaysNothingWithoutEdges) {
   RgbdFrame frame = Blocks();
   frame.color = {};

@@ -206,6 +206,61 @@ TEST(TrainObjectVerifier, KeepsTheKnownNetwork) {
             0.7);
 }
 
+// Finds true and shifted poses with features that say nothing.
+class Uninformed : public CandidateSource {
+ public:
+  Uninformed(const ObjectSet& objects, const std::vector<LabelledInstance>& instances)
+      : candidate_refiner_(objects, {}), instances_(instances) {}
+
+  std::vector<Candidate> Find(const OrganizedCloud&, Rng& rng, StageSeconds&,
+                              EstimateTrace*) const override {
+    std::vector<Candidate> found;
+    for (int i = 0; i < 8; ++i) {
+      Candidate& candidate = found.emplace_back();
+      const double shift_m = i % 2 == 0 ? 0.05 : 0;
+      candidate.hypothesis.X_CO =
+          Translation({shift_m, 0, 0}) * instances_[i % instances_.size()].X_CO;
+      for (float& feature : candidate.features) feature = static_cast<float>(rng.Normal());
+    }
+    return found;
+  }
+  const CandidateRefiner& candidate_refiner() const override { return candidate_refiner_; }
+
+ private:
+  CandidateRefiner candidate_refiner_;
+  std::vector<LabelledInstance> instances_;
+};
+
+// The network learns its few examples by heart. Scores from networks that have not seen the scene
+// show that it knows nothing.
+TEST(TrainObjectVerifier, CrossFittingCorrectsAnOverfittedNetwork) {
+  RayCastViews views({ObjectOf(BracketMesh())});
+  VerifierTrainingOptions options;
+  options.views_per_scene = 1;
+  options.verifier.iterations = 800;
+  const LabelledView view = views.ClutterScene({1, 1, ObjectId{0}}).front();
+  VerifierTrainingSet set;
+  set.clutter_scenes.assign(12, view);
+  set.rooms.assign(24, view);
+  const Uninformed source(views.objects(), view.instances);
+  const std::vector<const CandidateSource*> sources{&source};
+  const Verifier verifier =
+      TrainObjectVerifier(set, ObjectId{0}, sources, options, [](double) { return true; }).verifier;
+  Rng rng(9);
+  double overconfident = 0, sum = 0;
+  constexpr int kSamples = 200;
+  for (int i = 0; i < kSamples; ++i) {
+    VerifyFeatures features;
+    for (float& feature : features) feature = static_cast<float>(rng.Normal());
+    const double uncalibrated = 1 / (1 + std::exp(-verifier.unknown.Logit(features)));
+    overconfident += std::abs(uncalibrated - 0.5);
+    sum +=
+        std::abs(verifier.Score(features, CandidateMode::kAccurate, BackgroundKind::kFitted) - 0.5);
+  }
+  EXPECT_GT(overconfident / kSamples, 0.35);
+  EXPECT_LT(sum / kSamples, 0.25);
+}
+
 // An overconfident verifier: Newton's whole steps would diverge to scales of thousands.
 TEST(Calibrate, EqualLogitsGetTheirShareOfRightPoses) {
   std::vector<ScoredPose> poses;

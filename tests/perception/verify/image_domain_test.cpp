@@ -43,20 +43,5 @@ TEST(DomainOf, EmptySurroundingsAreNoHoles) {
   EXPECT_THAT(DomainWarnings(domain).front(), HasSubstr("% of the depth is missing"));
 }
 
-// Independent noise of a known size on a plane that faces the camera.
-TEST(DepthNoiseAt1m, MeasuresTheNoiseOfAPlane) {
-  Rng rng(5);
-  for (const double sigma_m : {0.001, 0.003}) {
-    for (const float z_m : {0.7f, 1.4f}) {
-      Image<float> depth_m(160, 120);
-      for (float& z : depth_m.pixels()) {
-        z = z_m + static_cast<float>(sigma_m * z_m * z_m * rng.Normal());
-      }
-      EXPECT_NEAR(DepthNoiseAt1m(depth_m), sigma_m, 0.06 * sigma_m);
-    }
-  }
-  EXPECT_EQ(DepthNoiseAt1m(Image<float>(20, 20)), 0);
-}
-
 }  // namespace
 }  // namespace pickbed::tests
