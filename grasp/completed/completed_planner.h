@@ -33,6 +33,7 @@ struct CompletedPlannerOptions {
   int smoothing = 2;            // passes of Smoothed()
   bool has_fallback = true;     // jaws also grasp the observed surface if grasps are missing
   double min_score = 0.15;      // weaker grasps come after the ones on the observed surface
+  double least_score = 0.05;    // weaker grasps are not reported
   double surface_level = 0.45;  // probability at the grasped surface
   double possible_level = 0.3;  // probability from which a hand keeps out
   double relaxed_level = 0.5;   // the same if no grasp is found otherwise
@@ -54,8 +55,8 @@ class CompletedPlanner : public Planner {
   explicit CompletedPlanner(const PlannerSetup& setup, const CompletedPlannerOptions& options = {});
 
   // Without a known bin, the lowest observed point is taken as the height of a table. Causes of
-  // rejection: as PlanWithTools(), and "possible matter". Without objects, jaws grasp the observed
-  // surface if `has_fallback`, and other grippers have no grasp.
+  // rejection: as PlanWithTools(), "possible matter" and "score too low". Without objects, jaws
+  // grasp the observed surface if `has_fallback`, and other grippers have no grasp.
   PlanResult Plan(const PlannerInput& input) override;
 
  private:

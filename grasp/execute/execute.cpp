@@ -54,6 +54,15 @@ class Attempt {
     return target_.model != nullptr ? *target_.model : world().ModelOf(picked);
   }
 
+  // Model that rests only in its present orientation. A cell that does not know an object cannot
+  // know how it rests, so the hand does not turn.
+  static ObjectModel AsPicked(const ObjectModel& model, const Pose& X_WO) {
+    ObjectModel picked = model;
+    picked.resting_O = {{X_WO.linear().row(2), 1}};
+    picked.symmetries_O = {};
+    return picked;
+  }
+
   // Moves up until hand and object clear the rim, then to above the table. The pose in the
   // hand and the size are as the cell assumes.
   void Carry(int picked) {
@@ -61,7 +70,9 @@ class Attempt {
     const Pose X_WO = target_.X_WO.value_or(world().Posed(picked).X_WO);
     const Pose X_WG = target_.planned_X_WG.value_or(pick_.X_WG());
     const std::vector<AxisAlignedBox>& boxes_G = pick_.boxes_G();
-    place_ = PlanPlace(bin_, model, X_WO, X_WG, boxes_G, options_.place);
+    place_ = target_.IsUnknown()
+                 ? PlanPlace(bin_, AsPicked(model, X_WO), X_WO, X_WG, boxes_G, options_.place)
+                 : PlanPlace(bin_, model, X_WO, X_WG, boxes_G, options_.place);
     world().physics().AddStaticBox(Translation(place_.table_W.center), place_.table_W.half_size,
                                    bin_.friction);
     pick_.ShowTable(place_.table_W);

@@ -58,7 +58,8 @@ struct ExecuteOptions {
 };
 
 // Target of the grasp, and what the cell assumes about it. The placement is planned from the
-// assumed values and evaluated against them. Without them, the true ones are used.
+// assumed values and evaluated against them. Without them, the true ones are used. An unknown
+// target is placed in the orientation in which it was picked.
 struct GraspTarget {
   InstanceId instance = kNoInstance;   // true instance nearest to the hypothesis, -1 = none
   ObjectId object = kAnyObject;        // without an instance: required object, -1 = any
@@ -74,6 +75,8 @@ struct GraspTarget {
         object(target_object),
         X_WO(estimated_X_WO),
         model(assumed_model) {}
+
+  bool IsUnknown() const { return instance == kNoInstance && object == kAnyObject && !X_WO; }
 };
 
 // Outcome of a grasp and the scene after it.

@@ -24,18 +24,19 @@ const Pose kSpherePose = OnFloor(0.03, -0.02, 2 * kRadius_m, 0);
 class CompletedPlan {
  public:
   explicit CompletedPlan(std::vector<OccupancyShape> shapes,
-                         std::shared_ptr<const Gripper> tool = nullptr)
+                         std::shared_ptr<const Gripper> tool = nullptr, double least_score = 0)
       : shapes_(std::move(shapes)),
         tools_{tool != nullptr ? tool : std::make_shared<ParallelJaw>(SmallJaw())},
-        planner_(Setup(), Options()) {}
+        planner_(Setup(), Options(least_score)) {}
 
   PlanResult Of(const PlannerInput& input) { return planner_.Plan(input); }
   const Gripper& tool() const { return *tools_.front(); }
 
  private:
   // Grasps of the observed surface would hide what the shapes give.
-  static CompletedPlannerOptions Options() {
+  static CompletedPlannerOptions Options(double least_score) {
     CompletedPlannerOptions options;
+    options.least_score = least_score;
     options.has_fallback = false;
     return options;
   }
@@ -201,6 +202,21 @@ TEST(CompletedPlanner, GraspsTheObservedSurfaceIfShapesGiveNoGrasp) {
   ASSERT_FALSE(on_surface.grasps.empty());
   ASSERT_EQ(result.grasps.size(), on_surface.grasps.size());
   EXPECT_EQ(result.grasps.front().X_WG.matrix(), on_surface.grasps.front().X_WG.matrix());
+}
+
+// The threshold splits the grasps of the sphere: all better ones stay, in their order.
+TEST(CompletedPlanner, LeavesWeakGraspsOut) {
+  const CloudScene scene = SphereScene();
+  const std::vector<OccupancyShape> shapes{SphereShape(kRadius_m, kSpherePose)};
+  const PlanResult all = CompletedPlan(shapes).Of(scene.Input(20));
+  ASSERT_GT(all.grasps.size(), 2u);
+  const double best_score = all.grasps.front().score;
+  ASSERT_LT(all.grasps.back().score, best_score);
+  const PlanResult best = CompletedPlan(shapes, nullptr, best_score).Of(scene.Input(20));
+  ASSERT_LT(best.grasps.size(), all.grasps.size());
+  EXPECT_EQ(best.grasps.front().X_WG.matrix(), all.grasps.front().X_WG.matrix());
+  EXPECT_EQ(best.grasps.back().score, best_score);
+  EXPECT_GT(best.rejected.at("score too low"), 0);
 }
 
 TEST(CompletedPlanner, NeedsASourceOfShapes) {
