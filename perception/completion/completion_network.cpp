@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "perception/completion_networks/completion_net.h"
+#include "perception/networks/fixed_layers.h"
 #include "perception/networks/torch_runtime.h"
 #include "scenes/base/error.h"
 #include "scenes/base/random.h"
@@ -74,10 +75,13 @@ std::vector<float> Decoded(CompletionNet& net, const at::Tensor& features,
     }
     const at::Tensor tensor = FloatTensor(
         queries.data(), {turns, static_cast<int64_t>(some.size()), kQueryValues}, device);
-    const at::Tensor values =
-        torch::sigmoid(net.Decode(features, tensor)).mean(0).cpu().contiguous();
-    const float* begin = values.data_ptr<float>();
-    probabilities.insert(probabilities.end(), begin, begin + values.numel());
+    const at::Tensor values = ApplyLogistic(net.Decode(features, tensor)).cpu().contiguous();
+    const float* const by_turn = values.data_ptr<float>();
+    for (size_t i = 0; i < some.size(); ++i) {
+      float sum = 0;
+      for (int turn = 0; turn < turns; ++turn) sum += by_turn[turn * some.size() + i];
+      probabilities.push_back(sum / static_cast<float>(turns));
+    }
   }
   return probabilities;
 }
@@ -163,7 +167,7 @@ std::vector<float> CompletionNetwork::Probabilities(const CompletionBatch& batch
   const at::Tensor features = net.Encode(ChannelTensor(batch.channels, batch.count, impl_->device));
   const at::Tensor queries =
       FloatTensor(batch.queries.data(), {batch.count, batch.points, kQueryValues}, impl_->device);
-  const at::Tensor values = torch::sigmoid(net.Decode(features, queries)).cpu().contiguous();
+  const at::Tensor values = ApplyLogistic(net.Decode(features, queries)).cpu().contiguous();
   return {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()};
 }
 

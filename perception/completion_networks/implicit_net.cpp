@@ -2,6 +2,7 @@
 
 #include "perception/completion_networks/completion_net.h"
 #include "perception/completion_networks/volume_blocks.h"
+#include "perception/networks/fixed_layers.h"
 
 namespace pickbed::perception {
 namespace {
@@ -40,16 +41,17 @@ struct ImplicitNet : CompletionNet {
     const at::Tensor x_16 = second->forward(first->forward(x));
     const at::Tensor x_8 = at_8->forward(down_8->forward(x_16));
     at::Tensor x_4 = at_4->forward(down_4->forward(x_8));
-    x_4 = x_4 + expand(torch::relu(squeeze(x_4.flatten(1)))).view(x_4.sizes());
+    x_4 = x_4 +
+          ApplyLinear(expand, torch::relu(ApplyLinear(squeeze, x_4.flatten(1)))).view(x_4.sizes());
     const at::Tensor y_8 = up_8->forward(torch::cat({DoubledSize(x_4), x_8}, 1));
     return up_16->forward(torch::cat({DoubledSize(y_8), x_16}, 1));
   }
 
   at::Tensor Decode(const at::Tensor& code, const at::Tensor& queries) override {
     at::Tensor x = torch::cat({SampledCode(code, queries), queries}, 2);
-    x = torch::relu(hidden_1(x));
-    x = torch::relu(hidden_2(x));
-    return last(x).squeeze(2);
+    x = torch::relu(ApplyLinear(hidden_1, x));
+    x = torch::relu(ApplyLinear(hidden_2, x));
+    return ApplyLinear(last, x).squeeze(2);
   }
 
   // Mean cross-entropy of all queries.

@@ -8,6 +8,8 @@
 
 #include <cstdint>
 
+#include "perception/networks/fixed_convolution.h"
+
 namespace pickbed::perception {
 
 // Convolution in three dimensions, batch normalization, ReLU.
@@ -20,7 +22,9 @@ struct VolumeBlock : torch::nn::Module {
                                                              .bias(false)));
     norm = register_module("norm", torch::nn::BatchNorm3d(out));
   }
-  at::Tensor forward(const at::Tensor& x) { return torch::relu(norm(convolution(x))); }
+  at::Tensor forward(const at::Tensor& x) {
+    return torch::relu(ApplyNormalization(norm, ApplyConvolution(convolution, x)));
+  }
   torch::nn::Conv3d convolution{nullptr};
   torch::nn::BatchNorm3d norm{nullptr};
 };

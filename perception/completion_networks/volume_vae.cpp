@@ -1,7 +1,11 @@
 #include <torch/nn/modules/linear.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "perception/completion_networks/completion_net.h"
 #include "perception/completion_networks/volume_blocks.h"
+#include "perception/networks/fixed_layers.h"
 
 namespace pickbed::perception {
 namespace {
@@ -10,12 +14,35 @@ namespace {
 constexpr int64_t kSeenSurface = 1, kKnownEmpty = 2;
 constexpr uint64_t kSampleSeed = 7;    // of a completion
 constexpr double kNotObserved = 0.5;   // value of such a cell
-constexpr double kLogitMargin = 1e-4;  // probabilities stay this far from 0 and 1
+constexpr float kLogitMargin = 1e-4f;  // probabilities stay this far from 0 and 1
 
 // Standard normal values, drawn on the CPU so that they are the same on every device.
 at::Tensor Normal(at::IntArrayRef shape, uint64_t seed, const torch::Device& device) {
   const at::Generator generator = at::detail::createCPUGenerator(seed);
   return at::randn(shape, generator).to(device);
+}
+
+// Standard normal values of a row that are also the same on every CPU. libtorch draws less than 16
+// values one by one, and more values with functions for the vector width of the CPU.
+at::Tensor FixedNormalRow(int64_t size, uint64_t seed, const torch::Device& device) {
+  constexpr int64_t kOneByOne = 8;
+  const at::Generator generator = at::detail::createCPUGenerator(seed);
+  at::Tensor values = torch::empty({size});
+  for (at::Tensor& some : values.split(kOneByOne)) {
+    some.copy_(at::randn(some.sizes(), generator));
+  }
+  return values.unsqueeze(0).to(device);
+}
+
+// Returns the log odds of probabilities, which stay kLogitMargin away from 0 and 1.
+at::Tensor LogOdds(const at::Tensor& probabilities) {
+  at::Tensor values = probabilities.cpu().contiguous().clone();
+  float* const plain = values.data_ptr<float>();
+  std::transform(plain, plain + values.numel(), plain, [](float value) {
+    const float p = std::clamp(value, kLogitMargin, 1 - kLogitMargin);
+    return std::log(p / (1 - p));
+  });
+  return values.to(probabilities.device());
 }
 
 at::Tensor Flipped(at::Tensor x, int turn) {
@@ -37,12 +64,18 @@ at::Tensor TurnedBack(const at::Tensor& x, int turn) {
 // long tails are at positive coordinates. `surface` is z x y x x.
 int AligningTurn(const at::Tensor& surface) {
   const at::Tensor at_yx = surface.sum(0).to(torch::kDouble).cpu();
-  const at::Tensor place = torch::arange(kInputCells, torch::kDouble);
-  const auto moments = [&](const at::Tensor& weight) {
-    const at::Tensor share = weight / weight.sum().clamp_min(1);
-    const at::Tensor from_mean = place - (share * place).sum();
-    return std::pair((share * from_mean.pow(2)).sum().item<double>(),
-                     (share * from_mean.pow(3)).sum().item<double>());
+  const auto moments = [&](const at::Tensor& cells) {
+    const at::Tensor plain = cells.contiguous();  // whole numbers, so that their sum is exact
+    const double* const weight = plain.data_ptr<double>();
+    const double total = std::max(plain.sum().item<double>(), 1.0);
+    double mean = 0, spread = 0, skew = 0;
+    for (int64_t i = 0; i < kInputCells; ++i) mean += weight[i] / total * static_cast<double>(i);
+    for (int64_t i = 0; i < kInputCells; ++i) {
+      const double off = static_cast<double>(i) - mean, share = weight[i] / total;
+      spread += share * off * off;
+      skew += share * off * off * off;
+    }
+    return std::pair(spread, skew);
   };
   const auto [spread_x, skew_x] = moments(at_yx.sum(0));
   const auto [spread_y, skew_y] = moments(at_yx.sum(1));
@@ -102,14 +135,14 @@ struct VolumeVae : CompletionNet {
   std::pair<at::Tensor, at::Tensor> Code(const at::Tensor& volume) {
     const at::Tensor x =
         down_4->forward(down_8->forward(at_16->forward(Packed(volume)))).flatten(1);
-    const std::vector<at::Tensor> halves = code(x).chunk(2, 1);
+    const std::vector<at::Tensor> halves = ApplyLinear(code, x).chunk(2, 1);
     return {halves[0], halves[1].clamp(-10, 10)};
   }
   // Returns logits, n x 1 x 32^3.
   at::Tensor Volume(const at::Tensor& z) {
-    const at::Tensor x = torch::relu(expand(z)).view({z.size(0), width_4, 4, 4, 4});
+    const at::Tensor x = torch::relu(ApplyLinear(expand, z)).view({z.size(0), width_4, 4, 4, 4});
     const at::Tensor y = up_8->forward(DoubledSize(up_4->forward(x)));
-    return Unpacked(last(up_16->forward(DoubledSize(y))));
+    return Unpacked(ApplyConvolution(last, up_16->forward(DoubledSize(y))));
   }
 
   // Reconstructs, samples and clamps. The result is the mean of the second half of the rounds, as
@@ -128,13 +161,13 @@ struct VolumeVae : CompletionNet {
     int added = 0;
     for (int round = 0; round < rounds; ++round) {
       const auto [mean, log_variance] = Code(x);
-      const at::Tensor noise = Normal({1, latent}, kSampleSeed + round, channels.device());
-      x = Clamped(seen, torch::sigmoid(Volume(mean + torch::exp(0.5 * log_variance) * noise)));
+      const at::Tensor noise = FixedNormalRow(latent, kSampleSeed + round, channels.device());
+      x = Clamped(seen, ApplyLogistic(Volume(mean + ApplyExponential(0.5 * log_variance) * noise)));
       if (2 * (round + 1) <= rounds) continue;
       sum += x;
       ++added;
     }
-    const at::Tensor logits = torch::logit(sum / added, kLogitMargin);
+    const at::Tensor logits = LogOdds(sum / added);
     std::vector<at::Tensor> volumes;
     for (int64_t i = 0; i < n; ++i) volumes.push_back(TurnedBack(logits[i], turns[i]));
     return torch::stack(volumes).contiguous();

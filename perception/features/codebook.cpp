@@ -13,7 +13,7 @@ namespace pickbed::perception {
 namespace {
 
 // Increase it if the file layout or the making of entries changes.
-constexpr uint64_t kFormat = 1;
+constexpr uint64_t kFormat = 2;
 constexpr uint64_t kMagic = 0x314b4f4f42444350;  // "PCDBOOK1", little endian
 
 struct FileHeader {

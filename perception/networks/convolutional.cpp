@@ -4,7 +4,7 @@
 #include <torch/nn/modules/linear.h>
 #include <torch/types.h>
 
-#include "perception/networks/fixed_linear.h"
+#include "perception/networks/fixed_layers.h"
 #include "perception/networks/patch_network.h"
 #include "perception/networks/training_tensors.h"
 #include "perception/networks/trunk.h"

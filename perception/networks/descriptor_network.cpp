@@ -30,15 +30,14 @@ std::unique_ptr<PatchNetwork> MakeNetwork(const NetworkOptions& options, uint64_
   return row.make(options, object_count);
 }
 
-at::Tensor ToTensor(std::span<const int8_t> patches, const torch::Device& device) {
+at::Tensor ToTensor(std::span<const int8_t> patches, const torch::Device& device,
+                    at::MemoryFormat layout = at::MemoryFormat::Contiguous) {
   const int64_t count = static_cast<int64_t>(patches.size()) / kPatchValues;
   // from_blob takes no const pointer; the values are copied by the conversion.
   const at::Tensor bytes =
       torch::from_blob(const_cast<int8_t*>(patches.data()),
                        {count, kPatchChannels, kPatchPixels, kPatchPixels}, torch::kChar);
-  // In the channels-last layout, oneDNN's convolutions of so few channels take half the time.
-  return bytes.to(device, torch::kFloat, false, false, at::MemoryFormat::ChannelsLast)
-      .mul_(1.0 / 127.0);
+  return bytes.to(device, torch::kFloat, false, false, layout).mul_(1.0 / 127.0);
 }
 
 // Copies plain values; from_blob takes no const pointer.
@@ -51,8 +50,11 @@ at::Tensor ToTensor(const std::vector<Value>& values, at::IntArrayRef shape,
 }
 
 TrainingTensors ToTensors(const TrainingBatch& batch, const torch::Device& device) {
+  // In the channels-last layout, oneDNN's convolutions of so few channels take half the time.
+  constexpr at::MemoryFormat kLayout = at::MemoryFormat::ChannelsLast;
   TrainingTensors tensors;
-  tensors.patches = torch::cat({ToTensor(batch.anchors, device), ToTensor(batch.codes, device)});
+  tensors.patches = torch::cat(
+      {ToTensor(batch.anchors, device, kLayout), ToTensor(batch.codes, device, kLayout)});
   tensors.pose_distance = ToTensor(batch.pose_distance, {batch.count, batch.count}, device);
   if (batch.objects.empty()) return tensors;
   const int64_t rows = 2 * batch.count;

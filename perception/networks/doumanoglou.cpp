@@ -19,6 +19,7 @@
 #include <cmath>
 
 #include "perception/features/pose_targets.h"
+#include "perception/networks/fixed_layers.h"
 #include "perception/networks/patch_network.h"
 #include "perception/networks/training_tensors.h"
 #include "perception/networks/trunk.h"
@@ -31,7 +32,21 @@ constexpr double kRootFloor = 1e-12;
 
 at::Tensor Root(const at::Tensor& squared) { return squared.clamp_min(kRootFloor).sqrt(); }
 
-at::Tensor Unit(const at::Tensor& rows) { return rows / Root(rows.square().sum(-1, true)); }
+// Sum over the last dimension, one value after the other as on every CPU.
+at::Tensor SumOfLast(const at::Tensor& rows) {
+  const std::vector<at::Tensor> columns = rows.unbind(-1);
+  at::Tensor sum = columns[0];
+  for (size_t i = 1; i < columns.size(); ++i) sum = sum + columns[i];
+  return sum.unsqueeze(-1);
+}
+
+at::Tensor Unit(const at::Tensor& rows) { return rows / Root(SumOfLast(rows.square())); }
+
+at::Tensor CrossProduct(const at::Tensor& a, const at::Tensor& b) {
+  const std::vector<at::Tensor> u = a.unbind(-1), v = b.unbind(-1);
+  return torch::stack(
+      {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]}, -1);
+}
 
 class SiameseRegression : public PatchNetwork, public torch::nn::Module {
  public:
@@ -46,12 +61,12 @@ class SiameseRegression : public PatchNetwork, public torch::nn::Module {
   }
 
   at::Tensor Forward(const at::Tensor& patches) override {
-    return features_(trunk_->Forward(patches));
+    return ApplyLinear(features_, trunk_->Forward(patches));
   }
 
   at::Tensor Poses(const at::Tensor& patches) override {
     const at::Tensor out = Regress(Forward(patches));
-    const at::Tensor shares = torch::softmax(out.select(2, 0), 1).unsqueeze(2);
+    const at::Tensor shares = ClassProbabilities(out.select(2, 0)).unsqueeze(2);
     const at::Tensor R_PO = RotationMatrices(out.slice(2, 4).flatten(0, 1));
     return torch::cat({shares, R_PO.view({-1, object_count_, 9}), out.slice(2, 1, 4)}, 2);
   }
@@ -92,7 +107,8 @@ class SiameseRegression : public PatchNetwork, public torch::nn::Module {
 
   // Returns N x object_count x (logit of the object, offset, rotation).
   at::Tensor Regress(const at::Tensor& features) {
-    const at::Tensor out = last_(torch::relu(hidden_(torch::relu(features))));
+    const at::Tensor out =
+        ApplyLinear(last_, torch::relu(ApplyLinear(hidden_, torch::relu(features))));
     return out.view({-1, object_count_, Rotation() + 3 + 1});
   }
 
@@ -116,8 +132,8 @@ void RegressionOptions::Visit(SettingsVisitor& v) {
 at::Tensor RotationMatrices(const at::Tensor& values) {
   if (values.size(-1) == 6) {
     const at::Tensor x = Unit(values.slice(-1, 0, 3)), y0 = values.slice(-1, 3);
-    const at::Tensor y = Unit(y0 - (x * y0).sum(-1, true) * x);
-    return torch::stack({x, y, torch::cross(x, y, -1)}, -1);
+    const at::Tensor y = Unit(y0 - SumOfLast(x * y0) * x);
+    return torch::stack({x, y, CrossProduct(x, y)}, -1);
   }
   const std::vector<at::Tensor> q = Unit(values).unbind(-1);
   const auto entry = [&](int a, int b, int c, int d, double sign) {

@@ -11,6 +11,7 @@
 #include <torch/nn/modules/linear.h>
 #include <torch/types.h>
 
+#include "perception/networks/fixed_layers.h"
 #include "perception/networks/patch_network.h"
 #include "perception/networks/training_tensors.h"
 #include "perception/networks/trunk.h"
@@ -34,7 +35,7 @@ class Autoencoder : public PatchNetwork, public torch::nn::Module {
   }
 
   at::Tensor Forward(const at::Tensor& patches) override {
-    return UnitRows(code_(trunk_->Forward(Seen(patches))));
+    return UnitRows(ApplyLinear(code_, trunk_->Forward(Seen(patches))));
   }
 
   at::Tensor Loss(const TrainingTensors& batch, const LossOptions&) override {

@@ -1,8 +1,7 @@
 #include "perception/networks/trunk.h"
 
-#include <torch/nn/functional/normalization.h>
-
-#include "perception/networks/fixed_linear.h"
+#include "perception/networks/fixed_convolution.h"
+#include "perception/networks/fixed_layers.h"
 
 namespace pickbed::perception {
 
@@ -17,9 +16,9 @@ PatchTrunk::PatchTrunk() {
 }
 
 at::Tensor PatchTrunk::Forward(const at::Tensor& patches) {
-  at::Tensor x = torch::relu(first_(patches));
-  x = torch::max_pool2d(torch::relu(second_(x)), 2);
-  x = torch::max_pool2d(torch::relu(third_(x)), 2);
+  at::Tensor x = torch::relu(ApplyConvolution(first_, patches));
+  x = torch::relu(HalvedByMaximum(ApplyConvolution(second_, x)));
+  x = torch::relu(HalvedByMaximum(ApplyConvolution(third_, x)));
   return torch::relu(ApplyLinear(hidden_, x.flatten(1)));
 }
 
@@ -27,11 +26,6 @@ double PatchTrunk::MultiplyAdds() const {
   constexpr double kHalf = kPatchPixels / 2, kQuarter = kPatchPixels / 4;  // sides, px
   return kHalf * kHalf * 12 * 25 * kPatchChannels + kHalf * kHalf * 24 * 9 * 12 +
          kQuarter * kQuarter * 32 * 9 * 24 + static_cast<double>(hidden_->weight.numel());
-}
-
-at::Tensor UnitRows(const at::Tensor& rows) {
-  return torch::nn::functional::normalize(rows,
-                                          torch::nn::functional::NormalizeFuncOptions().dim(1));
 }
 
 }  // namespace pickbed::perception

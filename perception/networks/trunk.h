@@ -27,7 +27,4 @@ class PatchTrunk : public torch::nn::Module {
   torch::nn::Linear hidden_{nullptr};
 };
 
-// Normalises each row to unit norm.
-at::Tensor UnitRows(const at::Tensor& rows);
-
 }  // namespace pickbed::perception

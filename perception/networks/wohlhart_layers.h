@@ -8,6 +8,8 @@
 #include <torch/types.h>
 #include <torch/utils.h>
 
+#include "perception/networks/fixed_convolution.h"
+#include "perception/networks/fixed_layers.h"
 #include "perception/networks/torch_runtime.h"
 #include "perception/networks/wohlhart.h"
 
@@ -29,9 +31,9 @@ struct WohlhartLayers : torch::nn::Module {
     last = register_module("last", torch::nn::Linear(256, options.descriptor));
   }
   at::Tensor Forward(const at::Tensor& crops) {
-    at::Tensor x = torch::relu(torch::max_pool2d(first(crops), 2));
-    x = torch::relu(torch::max_pool2d(second(x), 2));
-    return last(torch::relu(hidden(x.flatten(1))));
+    at::Tensor x = torch::relu(HalvedByMaximum(ApplyConvolution(first, crops)));
+    x = torch::relu(HalvedByMaximum(ApplyConvolution(second, x)));
+    return ApplyLinear(last, torch::relu(ApplyLinear(hidden, x.flatten(1))));
   }
   torch::nn::Conv2d first{nullptr}, second{nullptr};
   torch::nn::Linear hidden{nullptr}, last{nullptr};

@@ -1,4 +1,4 @@
-#include "perception/networks/fixed_linear.h"
+#include "perception/networks/fixed_layers.h"
 
 #include <gtest/gtest.h>
 #include <torch/utils.h>
@@ -40,6 +40,27 @@ TEST(ApplyLinear, SumsInTheOrderOfTheInputs) {
     EXPECT_EQ(std::memcmp(result.data_ptr<float>(), expected.data(), expected.size() * 4), 0)
         << count << " rows of " << inputs << " to " << outputs;
   }
+}
+
+TEST(ApplyLinear, KeepsTheOtherDimensions) {
+  torch::manual_seed(5);
+  torch::nn::Linear layer(6, 3);
+  const at::Tensor values = torch::randn({2, 5, 6});
+  const torch::InferenceMode inference;
+  EXPECT_TRUE(torch::equal(ApplyLinear(layer, values),
+                           ApplyLinear(layer, values.view({10, 6})).view({2, 5, 3})));
+}
+
+TEST(FixedLayers, RowsAndFunctionsAgreeWithLibtorch) {
+  torch::manual_seed(6);
+  const at::Tensor rows = 4 * torch::randn({7, 33});
+  const torch::InferenceMode inference;
+  EXPECT_TRUE(torch::allclose(UnitRows(rows).norm(2, 1), torch::ones({7}), 1e-6, 1e-6));
+  EXPECT_TRUE(torch::allclose(UnitRows(rows) * rows.norm(2, 1, true), rows, 1e-5, 1e-6));
+  EXPECT_TRUE(torch::equal(UnitRows(torch::zeros({2, 3})), torch::zeros({2, 3})));
+  EXPECT_TRUE(torch::allclose(ClassProbabilities(rows), torch::softmax(rows, 1), 1e-5, 1e-7));
+  EXPECT_TRUE(torch::allclose(ApplyLogistic(rows), torch::sigmoid(rows), 1e-5, 1e-7));
+  EXPECT_TRUE(torch::allclose(ApplyExponential(rows), torch::exp(rows), 1e-5, 1e-7));
 }
 
 TEST(ApplyLinear, AgreesWithLibtorchAndKeepsItsGradients) {
