@@ -152,7 +152,8 @@ void CompletedPlannerOptions::Visit(SettingsVisitor& v) {
   v.Integer("max_shapes", max_shapes, {1, 1000}, "number of objects that are completed");
   v.Real("min_score", min_score, {0, 1},
          "score under which a grasp comes after the grasps on the observed surface");
-  v.Real("least_score", least_score, {0, 1}, "score under which a grasp is not reported");
+  v.Real("min_reported_score", min_reported_score, {0, 1},
+         "score under which a grasp is not reported");
   v.Integer("smoothing", smoothing, {0, 10}, "number of passes of the smoothing of a shape");
   v.Bool("has_fallback", has_fallback,
          "whether jaws also grasp the observed surface if completed shapes give too few grasps");
@@ -292,7 +293,7 @@ PlanResult CompletedPlanner::PlanOn(const std::vector<Completed>& completed,
   std::stable_sort(plan.grasps.begin(), plan.grasps.end(),
                    [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
   const auto too_low = std::ranges::find_if(
-      plan.grasps, [&](const Grasp& grasp) { return grasp.score < options_.least_score; });
+      plan.grasps, [&](const Grasp& grasp) { return grasp.score < options_.min_reported_score; });
   if (too_low != plan.grasps.end()) {
     plan.rejected["score too low"] = static_cast<int>(plan.grasps.end() - too_low);
   }

@@ -29,21 +29,21 @@
 namespace pickbed::grasp {
 
 struct CompletedPlannerOptions {
-  int max_shapes = 10;          // objects that are completed, from the highest one
-  int smoothing = 2;            // passes of Smoothed()
-  bool has_fallback = true;     // jaws also grasp the observed surface if grasps are missing
-  double min_score = 0.15;      // weaker grasps come after the ones on the observed surface
-  double least_score = 0.05;    // weaker grasps are not reported
-  double surface_level = 0.45;  // probability at the grasped surface
-  double possible_level = 0.3;  // probability from which a hand keeps out
-  double relaxed_level = 0.5;   // the same if no grasp is found otherwise
-  double wider_m = 0.003;       // step by which a jaw opens wider to pass possible matter
-  int max_wider = 6;            // number of these steps
-  double wide_share = 0.05;     // share of the score that each step removes
-  int max_candidates = 120;     // candidates of an object for one jaw, from above
-  double density_kgpm3 = 1500;  // assumed density of an object
-  int tested_grasps = 300;      // planned grasps that are tested against possible matter
-  PlanOptions plan = {};        // max_grasps, seed and max_tilt_rad are set by each call
+  int max_shapes = 10;               // objects that are completed, from the highest one
+  int smoothing = 2;                 // passes of Smoothed()
+  bool has_fallback = true;          // jaws also grasp the observed surface if grasps are missing
+  double min_score = 0.15;           // weaker grasps come after the ones on the observed surface
+  double min_reported_score = 0.05;  // weaker grasps are not reported
+  double surface_level = 0.45;       // probability at the grasped surface
+  double possible_level = 0.3;       // probability from which a hand keeps out
+  double relaxed_level = 0.5;        // the same if no grasp is found otherwise
+  double wider_m = 0.003;            // step by which a jaw opens wider to pass possible matter
+  int max_wider = 6;                 // number of these steps
+  double wide_share = 0.05;          // share of the score that each step removes
+  int max_candidates = 120;          // candidates of an object for one jaw, from above
+  double density_kgpm3 = 1500;       // assumed density of an object
+  int tested_grasps = 300;           // planned grasps that are tested against possible matter
+  PlanOptions plan = {};             // max_grasps, seed and max_tilt_rad are set by each call
   GraspCandidateOptions candidates = {};  // set to fewer samples by the constructor
   CompletedPlannerOptions();
   void Visit(SettingsVisitor& v);

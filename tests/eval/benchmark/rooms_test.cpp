@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "eval/train/job.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
 
@@ -47,6 +48,22 @@ TEST(RunRooms, CountsImagesInstancesAndPoses) {
   EXPECT_EQ(all.images, 1);
   EXPECT_EQ(all.poses, given.poses);
   EXPECT_TRUE(RunRooms(views, spec, options, [](int, int) { return false; }).empty());
+}
+
+// Walls, tables and boxes look like hidden mugs to a verifier that has seen only bins: it reports
+// 17 poses in 6 such rooms.
+TEST(RunRooms, ShippedVerifiersReportNothingInEmptyRooms) {
+  TrainingSetChoice choice;
+  choice.objects = {"mug"};
+  EstimatorSpec spec;
+  spec.mode = "fast";
+  RoomsOptions options;
+  options.bins = options.tables = 0;
+  options.empty = 4;
+  const auto views = MakeTrainingViews(PlanTrainingSet(choice));
+  const std::vector<RoomsRow> rows = RunRooms(*views, spec, options, [](int, int) { return true; });
+  EXPECT_EQ(RowOf(rows, "empty", "all").images, 4);
+  EXPECT_LE(RowOf(rows, "empty", "all").poses, 1);
 }
 
 TEST(RoomsText, ShowsRates) {

@@ -24,19 +24,20 @@ const Pose kSpherePose = OnFloor(0.03, -0.02, 2 * kRadius_m, 0);
 class CompletedPlan {
  public:
   explicit CompletedPlan(std::vector<OccupancyShape> shapes,
-                         std::shared_ptr<const Gripper> tool = nullptr, double least_score = 0)
+                         std::shared_ptr<const Gripper> tool = nullptr,
+                         double min_reported_score = 0)
       : shapes_(std::move(shapes)),
         tools_{tool != nullptr ? tool : std::make_shared<ParallelJaw>(SmallJaw())},
-        planner_(Setup(), Options(least_score)) {}
+        planner_(Setup(), Options(min_reported_score)) {}
 
   PlanResult Of(const PlannerInput& input) { return planner_.Plan(input); }
   const Gripper& tool() const { return *tools_.front(); }
 
  private:
   // Grasps of the observed surface would hide what the shapes give.
-  static CompletedPlannerOptions Options(double least_score) {
+  static CompletedPlannerOptions Options(double min_reported_score) {
     CompletedPlannerOptions options;
-    options.least_score = least_score;
+    options.min_reported_score = min_reported_score;
     options.has_fallback = false;
     return options;
   }

@@ -214,23 +214,23 @@ TEST_F(Execute, WithoutTargetInstanceTheObjectDecides) {
   EXPECT_EQ(FailureName(other.failure), FailureName(FailureReason::kWrongObject));
 }
 
-// A box that lies on another side than its only resting side is turned by the hand. The cell knows
+// The hand turns a box that is not on its only resting side. The cell knows
 // no resting side of an unknown box.
 TEST_F(Execute, UnknownTargetIsPlacedAsItWasPicked) {
   auto turned = std::make_shared<ObjectModel>(*objects_[0]);
   turned->resting_O = {{Vector3d::UnitY(), 1}};
   objects_ = {turned};
-  const auto tilt_rad = [&](const GraspTarget& target) {
-    double most_rad = 0;
+  const auto max_tilt_of = [&](const GraspTarget& target) {
+    double max_tilt_rad = 0;
     ExecuteGrasp(BoxesOnFloor({{0, 0}}, kBoxHeight_m), objects_, GraspAt(0, 0), gripper_, target,
                  options_, [&](const MotionState& state) {
                    const double down = -state.hand.X_WG().linear()(2, 2);
-                   most_rad = std::max(most_rad, std::acos(std::min(1.0, down)));
+                   max_tilt_rad = std::max(max_tilt_rad, std::acos(std::min(1.0, down)));
                  });
-    return most_rad;
+    return max_tilt_rad;
   };
-  EXPECT_GT(tilt_rad(InstanceId{10}), 0.5);
-  EXPECT_LT(tilt_rad({}), 0.01);
+  EXPECT_GT(max_tilt_of(InstanceId{10}), 0.5);
+  EXPECT_LT(max_tilt_of({}), 0.01);
   EXPECT_TRUE(Run(BoxesOnFloor({{0, 0}}, kBoxHeight_m), GraspAt(0, 0), {}).outcome.place_executed);
 }
 
