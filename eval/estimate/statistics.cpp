@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "eval/cell/simulated_cell.h"
+#include "scenes/base/finite_counts.h"
 #include "scenes/base/math.h"
 
 namespace pickbed::eval {
@@ -118,6 +119,7 @@ ComparisonStatistics StatisticsOf(const ComparedRow& row, std::optional<ObjectId
       ++standing;
     }
     for (const auto& [stage, seconds] : compared.seconds) {
+      if (IsNotFiniteCount(stage)) continue;
       statistics.stages[stage] += seconds / static_cast<double>(row.images.size());
     }
   }

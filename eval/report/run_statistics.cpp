@@ -13,6 +13,7 @@
 #include "eval/metrics/metric_table.h"
 #include "eval/page/ticks.h"
 #include "eval/trial/counts_by_bin.h"
+#include "scenes/base/finite_counts.h"
 
 namespace pickbed::eval {
 namespace {
@@ -257,7 +258,9 @@ Calibration CalibrationOf(const ConfigurationTrials& configuration, const Report
 std::vector<StageTime> SecondsOf(const ConfigurationTrials& configuration) {
   std::map<std::string, std::vector<double>> of_stage;
   for (const TrialResult& trial : configuration.trials) {
-    for (const auto& [stage, seconds] : trial.seconds) of_stage[stage].push_back(seconds);
+    for (const auto& [stage, seconds] : trial.seconds) {
+      if (!IsNotFiniteCount(stage)) of_stage[stage].push_back(seconds);
+    }
   }
   std::vector<StageTime> times;
   for (auto& [stage, seconds] : of_stage) {

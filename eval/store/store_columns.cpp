@@ -175,7 +175,8 @@ constexpr Description kColumns[] = {
     {"bands.blockers_jumped", "number of blockers that hid too much of the target"},
     {"bands.blockers_useless", "number of blockers that hid too little of the target"},
     {"timings.stage", "stage, with its part after a slash"},
-    {"timings.seconds", "duration"},
+    {"timings.seconds",
+     "duration; of a stage not_finite/NAME the number of values that were dropped there"},
 };
 
 const Description* FindDescription(std::span<const Description> rows, std::string_view name) {

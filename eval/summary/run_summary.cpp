@@ -12,6 +12,7 @@
 #include "eval/cell/simulated_cell.h"
 #include "eval/metrics/interval_json.h"
 #include "eval/trial/counts_by_bin.h"
+#include "scenes/base/finite_counts.h"
 #include "scenes/base/ids_format.h"
 
 namespace pickbed::eval {
@@ -288,7 +289,9 @@ RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cy
     for (const RefusedScene& refused : trial.refused) {
       summary.refused.push_back({trial.trial, refused});
     }
-    for (const auto& [stage, seconds] : trial.seconds) summary.seconds[stage] += seconds;
+    for (const auto& [stage, seconds] : trial.seconds) {
+      if (!IsNotFiniteCount(stage)) summary.seconds[stage] += seconds;
+    }
   }
   for (auto& [stage, seconds] : summary.seconds) seconds /= summary.trials;
   summary.success_rate = Ratio(summary.successes, summary.executed_grasps);

@@ -11,6 +11,7 @@
 #include "grasp/execute/stir.h"
 #include "grasp/grippers/requirements.h"
 #include "scenes/base/error.h"
+#include "scenes/base/finite_counts.h"
 #include "scenes/base/ids_format.h"
 #include "scenes/base/random.h"
 #include "sim/drop/fill_level.h"
@@ -287,6 +288,7 @@ void LiveAttempt::Plan() {
   chosen_ = eval::ChooseGrasp(setup_, {trial_.scene, trial_.objects}, image.view, trial_.failed,
                               image.picks, PlanSeed(setup_, trial_.bin_index, task_.attempt),
                               record_, trial_.seconds);
+  for (const auto& [stage, count] : TakeNotFiniteCounts()) trial_.seconds[stage] += count;
   planned_ = true;
   const std::optional<PlannerFailure>& failure = record_.planner_failure;
   if (IsFirstImage(trial_.bin_index, task_.attempt) && failure && failure->is_malformed) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "eval/frames/region.h"
 #include "eval/trial/oracle_estimator.h"
@@ -10,6 +11,7 @@
 #include "perception/icp/final_refinement.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/finite_counts.h"
 #include "sim/training_view_source.h"
 
 namespace pickbed::eval {
@@ -47,6 +49,14 @@ void RequireVisibleSize(const ScenarioSpec& spec, const EstimatorSetup& setup) {
         spec.camera.eye_m.z(), object->name, size_px, setup.working_distance_m, kMinDiameter_px,
         near_m, sharp_px));
   }
+}
+
+// Removes poses that no estimator should report.
+void DropNotFinite(std::vector<PoseHypothesis>& hypotheses) {
+  const auto dropped = std::erase_if(hypotheses, [](const PoseHypothesis& hypothesis) {
+    return !hypothesis.X_CO.matrix().allFinite() || !std::isfinite(hypothesis.score);
+  });
+  CountNotFinite(FiniteBoundary::kPoses, static_cast<int>(dropped));
 }
 
 }  // namespace
@@ -129,6 +139,7 @@ EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, const CellCalib
   {
     const StageTimer timer(seconds, "estimate");
     result = estimator_->Estimate(input, rng);
+    DropNotFinite(result.hypotheses);
     UseObjectsOfCell(result.hypotheses);
     KeepThoseInBin(cell_, calibration, result.hypotheses);
     if (region) KeepPosesIn(*region, frame.intrinsics, cell_.objects(), result.hypotheses);
@@ -139,6 +150,7 @@ EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, const CellCalib
     }
   }
   for (const auto& [stage, value] : result.seconds) seconds["estimate/" + stage] += value;
+  seconds.merge(TakeNotFiniteCounts());
   result.seconds = std::move(seconds);
   return result;
 }

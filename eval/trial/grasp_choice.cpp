@@ -7,6 +7,7 @@
 #include "eval/shapes/segment_shapes.h"
 #include "grasp/plan/lift_clearance.h"
 #include "grasp/planners/pose_planner.h"
+#include "scenes/base/finite_counts.h"
 
 namespace pickbed::eval {
 namespace {
@@ -75,6 +76,15 @@ int RemoveBlockedLifts(const TrialSetup& setup, const CellCalibration& calibrati
   return candidates;
 }
 
+// Removes grasps that no planner should return.
+void DropNotFinite(std::vector<Grasp>& grasps) {
+  const auto dropped = std::erase_if(grasps, [](const Grasp& grasp) {
+    return !grasp.X_WG.matrix().allFinite() || !std::isfinite(grasp.width_m) ||
+           !std::isfinite(grasp.score);
+  });
+  CountNotFinite(FiniteBoundary::kGrasps, static_cast<int>(dropped));
+}
+
 // Returns the planned grasps, best first, without repetitions of failures.
 std::vector<Grasp> PlanOnImage(const TrialSetup& setup, const TrueScene& truth,
                                const Observation& view, const PlannedPoses& on,
@@ -86,6 +96,7 @@ std::vector<Grasp> PlanOnImage(const TrialSetup& setup, const TrueScene& truth,
   const TruthOfImage given(setup.shapes.get(), {truth.scene, truth.objects, view.ids});
   PlanResult plan =
       setup.planner->Plan(InputOf(setup, view, on.poses, on.graspable, max_grasps, rng_seed));
+  DropNotFinite(plan.grasps);
   record.grasps_rejected = std::move(plan.rejected);
   record.planner_failure = std::move(plan.failure);
   std::vector<Grasp> fresh = failed.WithoutRepetitions(plan.grasps, on.poses, setup.options);

@@ -6,6 +6,7 @@
 #include "perception/candidates/edge_comparison.h"
 #include "perception/verify/color_consistency.h"
 #include "perception/verify/image_domain.h"
+#include "scenes/base/finite_counts.h"
 
 namespace pickbed::perception {
 namespace {
@@ -20,7 +21,8 @@ std::vector<PoseHypothesis> Scored(const OrganizedCloud& cloud,
       CandidateScores(cloud, models, distances, verifiers, candidates, options);
   std::vector<PoseHypothesis> scored;
   for (size_t i = 0; i < candidates.size(); ++i) {
-    if (scores[i] < options.min_score) continue;
+    if (!std::isfinite(scores[i])) CountNotFinite(FiniteBoundary::kScores);
+    if (!std::isfinite(scores[i]) || scores[i] < options.min_score) continue;
     scored.push_back(candidates[i].hypothesis);
     scored.back().score = scores[i];
   }

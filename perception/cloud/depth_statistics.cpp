@@ -39,7 +39,7 @@ DepthStatistics MeasureDepth(const Image<float>& depth_m) {
       ++readings;
       if (x == 0 || x + 1 == depth_m.width()) continue;
       const float left = depth_m(x - 1, y), right = depth_m(x + 1, y);
-      if (!(left > 0) || !(right > 0)) continue;
+      if (!(left > 0) || !(z * z > 0) || !(right > 0)) continue;  // the square can underflow
       const float bend = std::abs(z - 0.5f * (left + right));
       const float step = std::abs(right - z);
       if (bend < kMaxStep * z) bends.push_back(bend / (z * z));

@@ -8,6 +8,7 @@
 
 #include "perception/cloud/normals.h"
 #include "scenes/base/error.h"
+#include "scenes/base/finite_counts.h"
 #include "scenes/camera/depth_points.h"
 
 namespace pickbed::perception {
@@ -31,6 +32,9 @@ void CheckArguments(const RgbdFrame& frame, const CloudOptions& o) {
   CheckInput(o.normal_window_px % 2 == 1,
              fmt::format("normal_window_px is {}: use an odd number in 3..15", o.normal_window_px));
 }
+
+// Whether a value of a depth image is a distance.
+bool IsReading(float z) { return z > 0 && std::isfinite(z); }
 
 std::vector<Eigen::Vector3f> SparsePoints(const CameraIntrinsics& k, const Image<float>& depth_m,
                                           const Image<uint8_t>* region) {
@@ -68,7 +72,7 @@ Image<uint8_t> MarkForeground(const CameraIntrinsics& k, const Image<float>& dep
     const Eigen::Vector3f row = R.col(1) * static_cast<float>((y - k.cy()) / k.fy()) + R.col(2);
     for (int x = 0; x < k.width(); ++x) {
       const float z = depth_m(x, y);
-      if (!(z > 0) || !std::isfinite(z)) continue;
+      if (!IsReading(z)) continue;
       const Eigen::Vector3f p =
           z * (R.col(0) * static_cast<float>((x - k.cx()) / k.fx()) + row) + t;
       mask(x, y) = keep(p, margin * z * z);
@@ -139,6 +143,33 @@ void FillPoints(OrganizedCloud& cloud) {
   }
 }
 
+int CountNotFiniteReadings(const Image<float>& depth_m) {
+  return static_cast<int>(std::count_if(depth_m.data(), depth_m.data() + depth_m.size(),
+                                        [](float z) { return !std::isfinite(z); }));
+}
+
+// Removes points and normals that are not finite. A depth of 1e38 m has such points.
+void DropNotFinite(OrganizedCloud& cloud) {
+  int points = 0, normals = 0;
+  for (size_t i = 0; i < cloud.points_C.size(); ++i) {
+    if (!cloud.normals_C[i].allFinite()) {
+      cloud.normals_C[i].setZero();
+      ++normals;
+    }
+    if (cloud.points_C[i].allFinite() && std::isfinite(cloud.depth_m.data()[i])) continue;
+    cloud.points_C[i].setZero();
+    cloud.normals_C[i].setZero();
+    cloud.depth_m.data()[i] = 0;
+    cloud.foreground.data()[i] = 0;
+    ++points;
+  }
+  CountNotFinite(FiniteBoundary::kPoints, points);
+  CountNotFinite(FiniteBoundary::kNormals, normals);
+  if (points == 0) return;
+  std::erase_if(cloud.foreground_pixels,
+                [&](int pixel) { return cloud.foreground.data()[pixel] == 0; });
+}
+
 }  // namespace
 
 Image<float> FillSinglePixelHoles(const Image<float>& depth_m) {
@@ -146,13 +177,13 @@ Image<float> FillSinglePixelHoles(const Image<float>& depth_m) {
   Image<float> filled = depth_m;
   for (int y = 0; y < depth_m.height(); ++y) {
     for (int x = 0; x < depth_m.width(); ++x) {
-      if (depth_m(x, y) > 0) continue;
-      filled(x, y) = 0;  // NaN and negative values also become holes
+      if (IsReading(depth_m(x, y))) continue;
+      filled(x, y) = 0;  // values that are not finite or negative also become holes
       std::array<float, 8> values{};
       int n = 0;
       for (int v = std::max(0, y - 1); v <= std::min(depth_m.height() - 1, y + 1); ++v) {
         for (int u = std::max(0, x - 1); u <= std::min(depth_m.width() - 1, x + 1); ++u) {
-          if (depth_m(u, v) > 0) values[n++] = depth_m(u, v);
+          if (IsReading(depth_m(u, v))) values[n++] = depth_m(u, v);
         }
       }
       if (n < kMinNeighbors) continue;
@@ -180,6 +211,7 @@ OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackg
   CheckInput(region == nullptr || (region->width() == frame.depth_m.width() &&
                                    region->height() == frame.depth_m.height()),
              "the region of interest has another size than the depth image; give one of its size");
+  CountNotFinite(FiniteBoundary::kDepth, CountNotFiniteReadings(frame.depth_m));
   OrganizedCloud cloud;
   cloud.intrinsics = frame.intrinsics;
   cloud.color = frame.color;
@@ -198,6 +230,7 @@ OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackg
                             .band_m = options.fit_band_m * cloud.error_scale};
   FitPlanes(cloud.intrinsics, cloud.foreground, fit, cloud.depth_m, cloud.normals_C);
   FillPoints(cloud);
+  DropNotFinite(cloud);
   return cloud;
 }
 

@@ -1,10 +1,13 @@
 #include "perception/icp/final_refinement.h"
 
+#include <cmath>
+
 #include "perception/icp/bidirectional_icp.h"
 #include "perception/icp/pcl_icp.h"
 #include "perception/icp/projective_icp.h"
 #include "perception/verify/pose_features.h"
 #include "scenes/base/error.h"
+#include "scenes/base/finite_counts.h"
 #include "scenes/base/parallel.h"
 
 namespace pickbed::perception {
@@ -68,13 +71,16 @@ constexpr RefinerRow kRefiners[] = {
 void RefineHypothesis(const RefinePose& refine, const OrganizedCloud& cloud,
                       const ModelPoints& model, PoseHypothesis& hypothesis) {
   const IcpResult result = refine(model, hypothesis.X_CO);
-  const bool refined = result.status == IcpStatus::kRefined;
+  const bool is_finite =
+      result.X_CO.matrix().allFinite() && std::isfinite(result.reciprocal_condition_number);
+  if (!is_finite) CountNotFinite(FiniteBoundary::kRefinedPoses);
+  const bool refined = result.status == IcpStatus::kRefined && is_finite;
   if (refined) {
     hypothesis.unrefined_X_CO = hypothesis.X_CO;
     hypothesis.X_CO = result.X_CO;
   }
   hypothesis.fit = MeasureFit(cloud, model, hypothesis.X_CO);
-  hypothesis.fit.reciprocal_condition_number = result.reciprocal_condition_number;
+  hypothesis.fit.reciprocal_condition_number = is_finite ? result.reciprocal_condition_number : 0;
   hypothesis.fit.refinement_kept = refined;
 }
 

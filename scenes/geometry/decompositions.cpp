@@ -27,6 +27,7 @@ Eigen::VectorXd SolveSymmetric(const Eigen::Ref<const Eigen::MatrixXd>& A,
 }
 
 Eigen::Quaterniond RotationBetween(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  if (!(from.norm() > 0 && to.norm() > 0)) return Eigen::Quaterniond::Identity();
   return Eigen::Quaterniond::FromTwoVectors(from, to);
 }
 

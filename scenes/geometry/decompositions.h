@@ -31,7 +31,7 @@ Eigen::VectorXd SolveSymmetric(const Eigen::Ref<const Eigen::MatrixXd>& A,
                                const Eigen::VectorXd& b);
 
 // Returns the shortest rotation from one direction to the other. For opposite directions it is a
-// half turn about some perpendicular axis.
+// half turn about some perpendicular axis. A direction of length 0 gives no rotation.
 Eigen::Quaterniond RotationBetween(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
 }  // namespace pickbed::scenes

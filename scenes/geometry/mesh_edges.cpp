@@ -24,6 +24,7 @@ std::vector<MeshEdge> MeshEdges(const TriangleMesh& mesh) {
   const std::vector<Eigen::Vector3d> normals = FaceNormals(mesh);
   std::map<std::pair<PlaceKey, PlaceKey>, MeshEdge> edges;
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (normals[t].isZero(0)) continue;
     for (int k = 0; k < 3; ++k) {
       const Eigen::Vector3d& a = mesh.vertices[mesh.triangles[t][k]];
       const Eigen::Vector3d& b = mesh.vertices[mesh.triangles[t][(k + 1) % 3]];

@@ -17,8 +17,8 @@ struct MeshEdge {
   double normal_cos() const { return normal_1.dot(normal_2); }
 };
 
-// Returns all edges. Vertices at one place are one vertex. An edge of more than two faces has the
-// normals of the first and the last.
+// Returns all edges. Vertices at one place are one vertex. Faces without area have
+// no edges. An edge of more than two faces has the normals of the first and the last.
 std::vector<MeshEdge> MeshEdges(const TriangleMesh& mesh);
 
 }  // namespace pickbed::scenes

@@ -64,6 +64,9 @@ bool Holds(const Ring& ring, const Vector2d& p, const Outline& points) {
 void RequireSimple(const Ring& outer, const std::vector<Ring>& holes, const Outline& points) {
   std::vector<Ring> rings = holes;
   rings.push_back(outer);
+  for (const Ring& ring : rings) {
+    if (ring.size() < 3) throw std::logic_error("polygon: an outline has less than three points");
+  }
   for (size_t i = 0; i < rings.size(); ++i) {
     for (size_t k = i; k < rings.size(); ++k) {
       if (RingsCross(rings[i], rings[k], points)) throw std::logic_error("polygon: outlines cross");

@@ -15,8 +15,8 @@ double SignedArea(const Outline& outline);  // positive if counter-clockwise
 // Triangulates by ear clipping over bridged holes (Eberly, "Triangulation by Ear Clipping", 2002),
 // then flips edges towards the constrained Delaunay triangulation (Lawson 1977). Outlines may have
 // either winding. Returns counter-clockwise triangles; their indices count the outer points first,
-// then the points of each hole in order. Throws std::logic_error when outlines cross themselves or
-// each other, or a hole is outside of `outer`.
+// then the points of each hole in order. Throws std::logic_error when an outline has less than
+// three points, when outlines cross themselves or each other, or a hole is outside of `outer`.
 std::vector<Eigen::Vector3i> TriangulatePolygon(const Outline& outer,
                                                 const std::vector<Outline>& holes = {});
 
