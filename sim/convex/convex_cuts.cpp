@@ -341,6 +341,7 @@ std::vector<std::vector<Vector3d>> Cutter::Run() {
 
 std::vector<std::vector<Vector3d>> CutByPlanes(const TriangleMesh& mesh,
                                                const PlaneCutOptions& options) {
+  if (!(MeshBounds(mesh).size().array() > 0).all()) return {};
   return Cutter(mesh, options).Run();
 }
 
