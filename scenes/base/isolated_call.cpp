@@ -22,6 +22,13 @@ namespace {
 
 enum Answer : char { kResult = 'r', kInputError = 'e', kNoMemory = 'm', kOther = 'o' };
 
+// Whether a sanitizer maps more address space than any limit.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kMapsTerabytes = true;
+#else
+constexpr bool kMapsTerabytes = false;
+#endif
+
 // Bytes of address space that this process has mapped.
 size_t MappedBytes() {
   size_t pages = 0;
@@ -56,9 +63,7 @@ void WriteAll(int descriptor, const char* data, size_t size) {
     signal(caught, SIG_DFL);
   }
   Limit(RLIMIT_CORE, 0);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they map terabytes
-  Limit(RLIMIT_AS, MappedBytes() + limits.memory_bytes);
-#endif
+  if (!kMapsTerabytes) Limit(RLIMIT_AS, MappedBytes() + limits.memory_bytes);
   const int nowhere = open("/dev/null", O_RDWR);
   for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, standard);
   Answer answer = kResult;
