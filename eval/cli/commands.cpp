@@ -97,6 +97,7 @@ struct RemedyFlag {
 };
 constexpr auto kRemedyFlags = std::to_array<RemedyFlag>({
     {"choose another folder", "--out"},
+    {"use fewer workers", "--jobs"},
     {"another results folder", "--out"},
     {"resume it", "--resume"},
     {"resume the run", "--resume"},

@@ -57,10 +57,15 @@ ObjectProgress ShowObjectsOn(ProgressLine& progress) {
 void RequireNoCrash(const std::vector<CrashedTrial>& crashed) {
   if (crashed.empty()) return;
   const CrashedTrial& first = crashed.front();
-  throw std::runtime_error(
-      fmt::format("{} trials crashed twice and are recorded as crashed, the first is trial {} "
-                  "(seed {}, scene {}): {}; --resume --retry-crashed repeats them",
-                  crashed.size(), first.trial, first.seed, first.bin_index, first.why));
+  const std::string message = fmt::format(
+      "{} trials crashed twice and are recorded as crashed, the first is trial {} "
+      "(seed {}, scene {}): {}; --resume --retry-crashed repeats them",
+      crashed.size(), first.trial, first.seed, first.bin_index, first.why);
+  const bool lack_memory =
+      std::all_of(crashed.begin(), crashed.end(),
+                  [](const CrashedTrial& trial) { return LacksMemory(trial.why); });
+  CheckInput(!lack_memory, message);
+  throw std::runtime_error(message);
 }
 
 }  // namespace pickbed::eval

@@ -16,6 +16,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <new>
 #include <optional>
 #include <stdexcept>
 #include <thread>
@@ -79,6 +80,15 @@ std::optional<Message> ReadMessage(int socket) {
   return message;
 }
 
+constexpr std::string_view kMemoryAdvice = "use fewer workers or more memory";
+constexpr std::string_view kNoMemory =
+    "the worker has not enough memory; use fewer workers or more memory";
+
+// Whether a process was ended by another one or by the kernel, and not by its own fault.
+bool WasKilled(int status) {
+  return WIFSIGNALED(status) && (WTERMSIG(status) == SIGKILL || WTERMSIG(status) == SIGTERM);
+}
+
 // Main loop of a worker: start, then one item after another until the socket closes.
 void Serve(const WorkerPlan& plan, int socket) {
   try {
@@ -93,12 +103,16 @@ void Serve(const WorkerPlan& plan, int socket) {
         SendMessage(socket, Kind::kDone, do_item(item));
       } catch (const InputError&) {
         throw;
+      } catch (const std::bad_alloc&) {
+        SendMessage(socket, Kind::kFailed, kNoMemory);
       } catch (const std::exception& error) {
         SendMessage(socket, Kind::kFailed, error.what());
       }
     }
   } catch (const InputError& error) {
     SendMessage(socket, Kind::kBadInput, error.what());
+  } catch (const std::bad_alloc&) {
+    SendMessage(socket, Kind::kBadInput, kNoMemory);
   } catch (const std::exception& error) {
     SendMessage(socket, Kind::kFailed, error.what());
   } catch (...) {  // no exception may unwind into the frames of the parent
@@ -107,6 +121,11 @@ void Serve(const WorkerPlan& plan, int socket) {
 }
 
 std::string DeathReason(int status) {
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) {
+    return fmt::format(
+        "the worker was killed (signal 9), often because the memory limit was reached; {}",
+        kMemoryAdvice);
+  }
   if (WIFSIGNALED(status)) {
     return fmt::format("the worker was ended by signal {} ({})", WTERMSIG(status),
                        strsignal(WTERMSIG(status)));
@@ -182,12 +201,12 @@ class Worker {
     }
   }
 
-  // Waits for the end of the process and returns the reason.
-  std::string Reap() {
+  // Waits for the end of the process and returns its status.
+  int Reap() {
     int status = 0;
     waitpid(pid_, &status, 0);
     pid_ = -1;
-    return DeathReason(status);
+    return status;
   }
 
  private:
@@ -323,9 +342,16 @@ class Foreman {
   void Bury(size_t index) {
     const int item = workers_[index]->item();
     const bool was_ready = workers_[index]->ready();
-    const std::string why = workers_[index]->Reap();
+    const int status = workers_[index]->Reap();
+    const std::string why = DeathReason(status);
     workers_.erase(workers_.begin() + index);
-    if (!was_ready) throw std::runtime_error("while starting a worker, " + why);
+    if (!was_ready) {
+      // A signal to all processes of the run may end a worker before `stop` sees it.
+      if (plan_.stop && plan_.stop()) return;
+      const std::string message = "while starting a worker, " + why;
+      if (!WasKilled(status)) throw std::runtime_error(message);
+      CheckInput(starts_lost_++ < plan_.retries, message);
+    }
     if (item != kNoItem) Retry(item, why);
   }
 
@@ -333,11 +359,14 @@ class Foreman {
   std::map<int, std::deque<int>> waiting_;  // by group; no group is empty
   int waiting_items_ = 0;
   std::map<int, int> tried_;  // failed executions by item
+  int starts_lost_ = 0;       // workers that were killed before they were ready
   std::vector<std::unique_ptr<Worker>> workers_;
   WorkReport report_;
 };
 
 }  // namespace
+
+bool LacksMemory(std::string_view why) { return why.ends_with(kMemoryAdvice); }
 
 WorkReport RunInWorkers(const WorkerPlan& plan) { return Foreman(plan).Run(); }
 

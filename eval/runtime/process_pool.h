@@ -28,7 +28,8 @@ struct WorkerPlan {
   using DoItem = std::function<std::string(int item)>;
   std::function<DoItem(const Say& say)> start;
 
-  // Number of retries of an item whose worker threw or crashed, before it is lost.
+  // Number of retries of an item whose worker threw or crashed, before it is lost. As many workers
+  // may be killed while they start.
   int retries = 0;
   // Items of one group share expensive data. A worker continues with the group of its last item,
   // then with a group that no other worker uses. Without `group`, items are processed in order.
@@ -55,10 +56,15 @@ struct WorkReport {
   std::vector<LostItem> lost;  // items whose worker threw or crashed; other items are not affected
 };
 
+// Returns whether a reason of a lost item is a lack of memory, or a kill that suggests one. Such a
+// loss is no fault of the code.
+bool LacksMemory(std::string_view why);
+
 // Executes all items in forked workers. The caller must not have used GL, libtorch or SQLite, which
 // do not survive a fork. Workers start concurrently; a missing cache file is computed by one of
-// them (scenes/base/cache_lock.h). An InputError in a worker ends the run and is thrown here. Any
-// other failure in `start` is thrown as std::runtime_error.
+// them (scenes/base/cache_lock.h). An InputError in a worker ends the run and is thrown here. So
+// does one that another process killed while it started. Any other failure in `start` is thrown as
+// std::runtime_error.
 WorkReport RunInWorkers(const WorkerPlan& plan);
 
 }  // namespace pickbed::eval

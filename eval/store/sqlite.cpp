@@ -78,6 +78,11 @@ std::string Database::Setting(const std::string& key) const {
 void CheckSql(const Database& db, int code) {
   if (code == SQLITE_OK) return;
   const std::string message = fmt::format("{}: {}", db.file(), sqlite3_errmsg(db.handle()));
+  std::error_code error;
+  CheckInput(db.file().empty() || std::filesystem::exists(db.file(), error),
+             fmt::format("{}: the file is gone, because its folder was removed, was renamed or "
+                         "cannot be reached; make it available again, and resume the run or sweep",
+                         db.file()));
   switch (code & 0xff) {  // without the extended code
     case SQLITE_NOTADB:
     case SQLITE_CORRUPT:

@@ -37,6 +37,10 @@ fs::path ExecutableDir() {
 
 const char* WhatToDo(int error) {
   if (error == ENOSPC || error == EDQUOT) return "; make room and repeat the command";
+  if (error == ENOENT || error == ESTALE || error == EIO) {
+    return "; its folder was removed or cannot be reached; make it available again, or choose "
+           "another folder";
+  }
   if (error == EROFS || error == EACCES || error == EPERM) return "; choose another folder";
   return "";
 }

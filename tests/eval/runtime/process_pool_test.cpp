@@ -10,9 +10,11 @@
 #include <cstdlib>
 #include <fstream>
 #include <map>
+#include <new>
 #include <set>
 
 #include "scenes/base/error.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
@@ -69,6 +71,7 @@ TEST(Workers, CrashLosesOneItem) {
     ASSERT_EQ(report.lost.size(), 1u);
     EXPECT_EQ(report.lost[0].item, 4);
     EXPECT_THAT(report.lost[0].why, HasSubstr("signal 9"));
+    EXPECT_TRUE(LacksMemory(report.lost[0].why));
     EXPECT_EQ(replies.size(), 9u);
     EXPECT_FALSE(replies.contains(4));
   }
@@ -177,10 +180,63 @@ TEST(Workers, StartFailureIsRethrownWithItsType) {
   };
   EXPECT_THROW(RunInWorkers(plan), std::runtime_error);
   plan.start = [](const WorkerPlan::Say&) -> WorkerPlan::DoItem {
-    raise(SIGKILL);
+    raise(SIGSEGV);
     return nullptr;
   };
   EXPECT_THROW(RunInWorkers(plan), std::runtime_error);
+}
+
+TEST(Workers, AWorkerKilledInItsStartIsReplacedAsOftenAsPlanned) {
+  const TemporaryFolder temporary;
+  const std::filesystem::path log = temporary.path() / "starts";
+  for (const int kills : {1, 2}) {
+    std::map<int, std::string> replies;
+    WorkerPlan plan = Squares(3, 1, NoTrouble, replies);
+    plan.retries = 1;
+    plan.start = [&, inner = plan.start](const WorkerPlan::Say& say) {
+      std::ofstream(log, std::ios::app).put('x').flush();
+      if (std::filesystem::file_size(log) <= static_cast<size_t>(kills)) raise(SIGKILL);
+      return inner(say);
+    };
+    if (kills == 1) {
+      EXPECT_TRUE(RunInWorkers(plan).lost.empty());
+      EXPECT_EQ(replies.size(), 3u);
+    } else {
+      EXPECT_THAT(ErrorOf([&] { RunInWorkers(plan); }),
+                  HasSubstr("while starting a worker, the worker was killed (signal 9), often "
+                            "because the memory limit was reached; use fewer workers"));
+    }
+    std::filesystem::remove(log);
+  }
+}
+
+// A signal to the whole process group ends a worker, and the run stops. It is no fault.
+TEST(Workers, AWorkerThatTheStopEndedInItsStartIsNoFault) {
+  for (const int ending : {SIGTERM, SIGKILL}) {
+    bool stop = false;
+    WorkerPlan plan;
+    plan.items = {0};
+    plan.start = [&](const WorkerPlan::Say& say) -> WorkerPlan::DoItem {
+      say("begun");
+      usleep(50000);
+      raise(ending);
+      return nullptr;
+    };
+    plan.on_message = [&](const std::string&) { stop = true; };
+    plan.stop = [&stop, asked = 0]() mutable { return stop && asked++ > 0; };
+    EXPECT_TRUE(RunInWorkers(plan).stopped);
+  }
+}
+
+TEST(Workers, LackOfMemoryIsReportedAsSuch) {
+  std::map<int, std::string> replies;
+  const WorkReport report = RunInWorkers(Squares(
+      1, 1, [](int) { throw std::bad_alloc(); }, replies));
+  ASSERT_EQ(report.lost.size(), 1u);
+  EXPECT_EQ(report.lost[0].why,
+            "the worker has not enough memory; use fewer workers or more memory");
+  EXPECT_TRUE(LacksMemory(report.lost[0].why));
+  EXPECT_FALSE(LacksMemory("map::at"));
 }
 
 TEST(Workers, StopEndsWorkersAtOnce) {

@@ -112,5 +112,53 @@ TEST(Slurm, MissingSlurmIsReported) {
   EXPECT_THAT(error, HasSubstr("there is no sbatch"));
 }
 
+// Programs of Slurm whose jobs end at once, as on nodes that are lost. `sbatch` notes its
+// arguments.
+class LostNodes {
+ public:
+  explicit LostNodes(const std::filesystem::path& folder) : folder_(folder) {
+    Write("sbatch", fmt::format("echo \"$2\" >>'{}'; echo 17", (folder / "calls").string()));
+    Write("squeue", "exit 0");
+    Write("scontrol", "echo JobId=17 JobState=NODE_FAIL Reason=None");
+    const char* path = std::getenv("PATH");
+    before_ = path == nullptr ? "" : path;
+    setenv("PATH", (folder.string() + ":" + before_).c_str(), 1);
+  }
+  ~LostNodes() { setenv("PATH", before_.c_str(), 1); }
+  std::string Calls() const { return ReadFileBytes(folder_ / "calls"); }
+
+ private:
+  void Write(const std::string& name, const std::string& command) const {
+    WriteFileAtomically(folder_ / name, "#!/bin/sh\n" + command + "\n");
+    std::filesystem::permissions(folder_ / name, std::filesystem::perms::owner_all);
+  }
+  std::filesystem::path folder_;
+  std::string before_;
+};
+
+TEST(Slurm, ShardsOfLostNodesAreNamedAndSubmittedAgain) {
+  const TemporaryFolder programs, results;
+  const LostNodes slurm(programs.path());
+  const Sweep sweep = StubSweep(2, 4);
+  SlurmJob job = SomeJob();
+  job.out = results.path();
+  job.options.shards = 2;
+  EXPECT_EQ(RunOnSlurm(sweep, job, {}).unfinished,
+            (std::vector<std::string>{"shard 1 of 2: NODE_FAIL, 0 of 4 trials done",
+                                      "shard 2 of 2: NODE_FAIL, 0 of 4 trials done"}));
+  SweepOptions options;
+  options.out = results.path();
+  options.make = StubTrials();
+  options.shard = {1, 2};
+  RunSweep(sweep, options, {});
+  EXPECT_EQ(RunOnSlurm(sweep, job, {}).unfinished,
+            (std::vector<std::string>{"shard 2 of 2: NODE_FAIL, 0 of 4 trials done"}));
+  EXPECT_EQ(slurm.Calls(), "--array=1,2\n--array=2\n");
+  options.shard = {2, 2};
+  RunSweep(sweep, options, {});
+  EXPECT_TRUE(RunOnSlurm(sweep, job, {}).unfinished.empty());
+  EXPECT_EQ(slurm.Calls(), "--array=1,2\n--array=2\n") << "a finished sweep was submitted";
+}
+
 }  // namespace
 }  // namespace pickbed::tests
