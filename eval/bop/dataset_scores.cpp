@@ -140,6 +140,7 @@ DatasetScores EvaluateDataset(const fs::path& root, const std::string& split,
   }
   scores.seconds_an_image = MeanTime(estimates);
   size_t rotations = 0, corrected = 0;
+  const std::vector<std::pair<int, int>> camera_sizes = CameraSizes(root);
   SceneTruth scene;
   fs::path scene_folder;
   for (const auto& [scene_id, image_id] : targets.order) {
@@ -161,6 +162,7 @@ DatasetScores EvaluateDataset(const fs::path& root, const std::string& split,
                            (scene_folder / kSceneCameraFile).string(), image_id));
     auto found = by_image.extract({scene_id, image_id});
     const RgbdFrame frame = ReadDepthFrame(scene, truth->second);
+    CheckImageSize(scene, truth->second, frame, camera_sizes);
     evaluator.AddImage(TruthOf(truth->second, frame), targets.scenes.at(scene_id).at(image_id),
                        found ? std::move(found.mapped()) : std::vector<const DatasetEstimate*>());
   }

@@ -41,6 +41,10 @@ void CheckNesting(const std::string& text) {
   }
 }
 
+bool IsUsable(const ParsedJson& value) {
+  return value.is_number() && std::abs(value.get<double>()) <= kLargestNumber;  // no NaN either
+}
+
 std::string Shown(const ParsedJson& value) {
   return OneLine(value.dump(-1, ' ', false, ParsedJson::error_handler_t::replace));
 }
@@ -78,8 +82,10 @@ std::optional<ParsedJson> ReadJson(const std::filesystem::path& file, const OnFa
 std::optional<double> JsonReal(const ParsedJson& object, const char* key, const JsonPlace& place) {
   const ParsedJson* value = Find(object, key, place);
   if (!value) return std::nullopt;
-  if (value->is_number() && std::isfinite(value->get<double>())) return value->get<double>();
-  place.Fault(fmt::format("'{}' is {}, not a number", key, Shown(*value)));
+  if (IsUsable(*value)) return value->get<double>();
+  place.Fault(value->is_number()
+                  ? fmt::format("'{}' is {}, beyond {:g}", key, Shown(*value), kLargestNumber)
+                  : fmt::format("'{}' is {}, not a number", key, Shown(*value)));
   return std::nullopt;
 }
 
@@ -104,12 +110,12 @@ std::optional<std::vector<double>> ToReals(const ParsedJson& array, size_t count
   std::vector<double> numbers;
   const std::function<bool(const ParsedJson&)> take = [&](const ParsedJson& value) {
     if (value.is_array()) return std::all_of(value.begin(), value.end(), take);
-    if (!value.is_number() || !std::isfinite(value.get<double>())) return false;
+    if (!IsUsable(value)) return false;
     numbers.push_back(value.get<double>());
     return true;
   };
   if (array.is_array() && take(array) && numbers.size() == count) return numbers;
-  place.Fault(fmt::format("is not {} numbers", count));
+  place.Fault(fmt::format("is not {} numbers of at most {:g}", count, kLargestNumber));
   return std::nullopt;
 }
 

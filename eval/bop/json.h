@@ -32,8 +32,12 @@ class JsonPlace {
 // is not JSON.
 std::optional<ParsedJson> ReadJson(const std::filesystem::path& file, const OnFault& fault);
 
-// Return the value of a key. They report a fault and return nullopt if it is absent or has the
-// wrong type. Reals expects `count` finite numbers.
+// Largest size of a number in a data set. Larger ones have no meaning in mm, px or degrees, and
+// products of them would not be finite.
+inline constexpr double kLargestNumber = 1e9;
+
+// Return the value of a key. They report a fault and return nullopt if it is absent, has the wrong
+// type, or is beyond kLargestNumber. Reals expects `count` numbers.
 std::optional<double> JsonReal(const ParsedJson& object, const char* key, const JsonPlace& place);
 // Same for a whole number.
 std::optional<int> JsonInteger(const ParsedJson& object, const char* key, const JsonPlace& place);

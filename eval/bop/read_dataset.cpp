@@ -19,6 +19,12 @@ namespace fs = std::filesystem;
 
 constexpr double kMm = 1e-3;
 
+// Limits of plausible values. Distances of a camera are above the first, also in microscopy.
+constexpr double kMinDistance_mm = 0.1;
+constexpr double kMinDepthScale_mm = 1e-6, kMaxDepthScale_mm = 100;  // 100: a reading up to 6.5 km
+constexpr double kMaxDiameter_mm = 1e6;
+constexpr double kMaxBox_px = 1e6;
+
 // Visits every member of a JSON object whose keys are ids, such as `{"3": ...}`.
 template <typename Take>
 void ForEachId(const ParsedJson& object, const JsonPlace& place, const char* what, Take take) {
@@ -90,7 +96,10 @@ std::optional<DatasetModelInfo> ReadModelInfo(const ParsedJson& entry, const Jso
   DatasetModelInfo info;
   const auto diameter_mm = JsonReal(entry, "diameter", place);
   if (!diameter_mm) return std::nullopt;
-  if (*diameter_mm <= 0) place.Fault(fmt::format("'diameter' is {}, not positive", *diameter_mm));
+  if (*diameter_mm <= 0 || *diameter_mm > kMaxDiameter_mm) {
+    place.Fault(fmt::format("'diameter' is {}, not positive and at most {:g}", *diameter_mm,
+                            kMaxDiameter_mm));
+  }
   info.diameter_m = kMm * *diameter_mm;
   constexpr const char* kMin[] = {"min_x", "min_y", "min_z"};
   constexpr const char* kSize[] = {"size_x", "size_y", "size_z"};
@@ -103,6 +112,12 @@ std::optional<DatasetModelInfo> ReadModelInfo(const ParsedJson& entry, const Jso
   }
   ReadSymmetries(entry, place, info.symmetries_O);
   return info;
+}
+
+void CheckDepthScale(double scale_mm, const JsonPlace& place) {
+  if (scale_mm >= kMinDepthScale_mm && scale_mm <= kMaxDepthScale_mm) return;
+  place.Fault(fmt::format("'depth_scale' is {}, not from {:g} to {:g}", scale_mm, kMinDepthScale_mm,
+                          kMaxDepthScale_mm));
 }
 
 void ReadCamera(const ParsedJson& entry, const JsonPlace& place, ImageTruth& image) {
@@ -121,7 +136,7 @@ void ReadCamera(const ParsedJson& entry, const JsonPlace& place, ImageTruth& ima
   }
   if (entry.is_object() && entry.contains("depth_scale")) {
     image.depth_scale_mm = JsonReal(entry, "depth_scale", place).value_or(1);
-    if (image.depth_scale_mm <= 0) place.Fault("'depth_scale' is not positive");
+    CheckDepthScale(image.depth_scale_mm, place);
   }
   if (entry.is_object() && entry.contains("cam_R_w2c")) {
     image.X_CW = ReadPose(entry, "cam_R_w2c", "cam_t_w2c", place);
@@ -133,6 +148,11 @@ std::optional<std::array<int, 4>> ReadBox(const ParsedJson& entry, const char* k
   if (!entry.is_object() || !entry.contains(key)) return std::nullopt;
   const auto numbers = JsonReals(entry, key, 4, place);
   if (!numbers) return std::nullopt;
+  for (const double number : *numbers) {
+    if (std::abs(number) <= kMaxBox_px) continue;
+    place.Fault(fmt::format("'{}' has {}, beyond {:g} px", key, number, kMaxBox_px));
+    return std::nullopt;
+  }
   std::array<int, 4> box;
   for (int i = 0; i < 4; ++i) box[i] = static_cast<int>(std::lround((*numbers)[i]));
   return box;
@@ -171,7 +191,13 @@ void ReadInstances(const ParsedJson& list, const JsonPlace& place, SceneTruth& s
         instance.is_corrected = published != R;
         instance.X_CO = MakePose(published, kMm * Eigen::Vector3d::Map(t_mm->data()));
       }
-      if ((*t_mm)[2] <= 0) where.Fault("is behind the camera");
+      const double distance_mm = (*t_mm)[2];
+      if (distance_mm <= 0) {
+        where.Fault("is behind the camera");
+      } else if (distance_mm < kMinDistance_mm) {
+        where.Fault(
+            fmt::format("is {} mm from the camera, not {} or more", distance_mm, kMinDistance_mm));
+      }
     }
     image.instances.push_back(instance);
   }
@@ -274,9 +300,7 @@ std::optional<DatasetCamera> ReadDatasetCamera(const fs::path& file, const OnFau
   const auto fx = JsonReal(*json, "fx", place), fy = JsonReal(*json, "fy", place);
   const auto cx = JsonReal(*json, "cx", place), cy = JsonReal(*json, "cy", place);
   const auto depth_scale_mm = JsonReal(*json, "depth_scale", place);
-  if (depth_scale_mm && *depth_scale_mm <= 0) {
-    place.Fault(fmt::format("depth_scale = {}: must be positive", *depth_scale_mm));
-  }
+  if (depth_scale_mm) CheckDepthScale(*depth_scale_mm, place);
   if (!width || !height || !fx || !fy || !cx || !cy || !depth_scale_mm) return std::nullopt;
   const std::string faults = CameraIntrinsics::FaultsOf(*width, *height, *fx, *fy, *cx, *cy);
   if (!faults.empty()) {
@@ -378,6 +402,30 @@ RgbdFrame ReadDepthFrame(const SceneTruth& scene, const ImageTruth& image) {
     frame.depth_m.data()[i] = static_cast<float>(unit_m * units.data()[i]);
   }
   return frame;
+}
+
+std::vector<std::pair<int, int>> CameraSizes(const fs::path& root) {
+  std::vector<std::pair<int, int>> sizes;
+  for (const std::string& name : StemsIn(root, ".json")) {
+    if (!name.starts_with("camera")) continue;
+    const auto camera = ReadDatasetCamera(root / (name + ".json"), ThrowFault);
+    if (camera) sizes.emplace_back(camera->intrinsics.width(), camera->intrinsics.height());
+  }
+  return sizes;
+}
+
+void CheckImageSize(const SceneTruth& scene, const ImageTruth& image, const RgbdFrame& frame,
+                    const std::vector<std::pair<int, int>>& camera_sizes) {
+  const std::pair size(frame.depth_m.width(), frame.depth_m.height());
+  if (camera_sizes.empty() || std::ranges::count(camera_sizes, size) > 0) return;
+  // Splits of some data sets have images of other sizes. Then both images have the same size.
+  if (ColorFile(scene.folder, image.image_id, scene.sensor)) {
+    ReadFrame(scene, image);
+    return;
+  }
+  const auto file = DepthFile(scene.folder, image.image_id, scene.sensor);
+  throw InputError(fmt::format("{}: is {} x {} pixels, but no camera*.json has this size",
+                               file->string(), size.first, size.second));
 }
 
 RgbdFrame ReadFrame(const SceneTruth& scene, const ImageTruth& image) {

@@ -13,6 +13,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "eval/layer.h"
@@ -123,6 +124,14 @@ std::shared_ptr<const ObjectModel> LoadDatasetModel(const std::filesystem::path&
 RgbdFrame ReadFrame(const SceneTruth& scene, const ImageTruth& image);
 // Same as ReadFrame, without colour.
 RgbdFrame ReadDepthFrame(const SceneTruth& scene, const ImageTruth& image);
+
+// Returns width and height of each camera*.json of a data set; px. Throws InputError for one with a
+// fault.
+std::vector<std::pair<int, int>> CameraSizes(const std::filesystem::path& root);
+// Throws InputError if no camera has the size of the depth image, and the colour image does not
+// have it either.
+void CheckImageSize(const SceneTruth& scene, const ImageTruth& image, const RgbdFrame& frame,
+                    const std::vector<std::pair<int, int>>& camera_sizes);
 
 // Returns why a matrix is not a rotation; empty if it is one. Published matrices are rounded or
 // come from optimisation, so entries of R^T R may deviate from the identity by up to 0.05.

@@ -14,6 +14,7 @@
 namespace pickbed::eval {
 namespace {
 
+constexpr double kFarthest_mm = 1e9;  // as in the files of a data set
 constexpr double kSameTime_s = 1e-3;  // maximum difference between the lines of an image
 
 std::vector<std::string> Split(const std::string& text, char separator) {
@@ -84,6 +85,11 @@ DatasetEstimate ParseLine(const std::string& text, const Line& line) {
   estimate.score = line.Number(fields[3], "score");
   const std::vector<double> R = line.Numbers(fields[4], 9, "R");
   const std::vector<double> t_mm = line.Numbers(fields[5], 3, "t");
+  for (const double number_mm : t_mm) {
+    if (std::abs(number_mm) > kFarthest_mm) {
+      line.Refuse(fmt::format("t has {}, beyond {:g} mm", number_mm, kFarthest_mm));
+    }
+  }
   estimate.time_s = line.Number(fields[6], "time");
   Eigen::Matrix3d R_CO;
   for (int i = 0; i < 9; ++i) R_CO(i / 3, i % 3) = R[i];

@@ -9,6 +9,9 @@
 
 namespace pickbed::scenes {
 
+// The whole view is in one pixel. The constructor permits less, because windows are scaled.
+constexpr double kMinFocal_px = 1e-3;
+
 std::string CameraIntrinsics::FaultsOf(int width, int height, double fx, double fy, double cx,
                                        double cy) {
   std::vector<std::string> faults;
@@ -16,12 +19,12 @@ std::string CameraIntrinsics::FaultsOf(int width, int height, double fx, double 
     if (!ok) faults.push_back(fmt::format("{} = {}: must be {}", name, value, allowed));
   };
   const std::string size = fmt::format("from 1 to {} px", kMaxSize_px);
-  const std::string focal = fmt::format("positive and at most {:g} px", kMaxLength_px);
+  const std::string focal = fmt::format("from {:g} to {:g} px", kMinFocal_px, kMaxLength_px);
   const std::string position = fmt::format("from {:g} to {:g} px", -kMaxLength_px, kMaxLength_px);
   require(IsSize(width), "width", width, size);
   require(IsSize(height), "height", height, size);
-  require(IsFocal(fx), "fx", fx, focal);
-  require(IsFocal(fy), "fy", fy, focal);
+  require(IsFocal(fx) && fx >= kMinFocal_px, "fx", fx, focal);
+  require(IsFocal(fy) && fy >= kMinFocal_px, "fy", fy, focal);
   require(IsPosition(cx), "cx", cx, position);
   require(IsPosition(cy), "cy", cy, position);
   return fmt::format("{}", fmt::join(faults, "; "));

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <sstream>
 
 #include "scenes/base/error.h"
 #include "scenes/mesh_io/mesh_io.h"
@@ -94,6 +95,26 @@ void CheckStl(const fs::path& path) {
   }
 }
 
+// An OBJ has neither counts nor an end mark. But a file that is cut within a line can end with an
+// incomplete element.
+void CheckObj(const fs::path& path) {
+  constexpr std::streamoff kEnd = 512;
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(std::max<std::streamoff>(0, static_cast<std::streamoff>(fs::file_size(path)) - kEnd));
+  const std::string end(std::istreambuf_iterator<char>(file), {});
+  const size_t before = end.rfind('\n');
+  std::istringstream line(before == std::string::npos ? end : end.substr(before + 1));
+  std::string kind, word;
+  line >> kind;
+  size_t words = 0;
+  while (line >> word) ++words;
+  const bool is_short =
+      ((kind == "v" || kind == "vn" || kind == "f") && words < 3) || (kind == "vt" && words < 2);
+  if (is_short || (!word.empty() && std::strchr("-+./eE", word.back()) != nullptr)) {
+    RefuseUnreadable(path, "its last line is incomplete, so it is cut short");
+  }
+}
+
 }  // namespace
 
 [[noreturn]] void RefuseUnreadable(const fs::path& path, const std::string& reason) {
@@ -113,6 +134,7 @@ void CheckMeshFile(const fs::path& path) {
   const std::string extension = LowerExtension(path);
   if (extension == ".ply") CheckPlyHeader(path);
   if (extension == ".stl") CheckStl(path);
+  if (extension == ".obj") CheckObj(path);
 }
 
 size_t FacesInHeader(const fs::path& path) {

@@ -13,6 +13,7 @@
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 #include "tests/eval/bop_small_dataset.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
@@ -156,9 +157,9 @@ TEST_F(BopCheck, WrongJsonValuesAreReported) {
       {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"].erase("cam_K"); },
        "scene_camera.json: image 0: has no 'cam_K'"},
       {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"]["cam_K"][0] = 0; },
-       "must be positive"},
+       "must be from 0.001"},
       {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"]["depth_scale"] = 0; },
-       "'depth_scale' is not positive"},
+       "'depth_scale' is 0, not from 1e-06 to 100"},
       {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"]["cam_R_w2c"][4] = 7; },
        "'cam_R_w2c': is no rotation"},
       {"models/models_info.json",
@@ -180,7 +181,7 @@ TEST_F(BopCheck, WrongJsonValuesAreReported) {
              ParsedJson::array({ParsedJson{{"axis", {0, 0, 0}}, {"offset", {0, 0, 0}}}});
        },
        "an axis has no length"},
-      {"camera.json", [](ParsedJson& j) { j["fx"] = -1; }, "must be positive"},
+      {"camera.json", [](ParsedJson& j) { j["fx"] = -1; }, "must be from 0.001"},
       {"test_targets_bop19.json", [](ParsedJson& j) { j[0]["inst_count"] = 50; },
        "target 0: requests 50 of object 1, but scene 1 image 0 has 3"},
       {"test_targets_bop19.json", [](ParsedJson& j) { j[0].erase("obj_id"); }, "has no 'obj_id'"},
@@ -201,6 +202,66 @@ TEST_F(BopCheck, WrongJsonValuesAreReported) {
   WriteFileAtomically(scene() / "scene_gt.json", "{\"0\": [NaN]}");
   EXPECT_THAT(CheckDataset(root()).faults,
               ::testing::Contains(HasSubstr("scene_gt.json: is no JSON")));
+}
+
+// Numbers that are finite, but that no camera or object has.
+TEST_F(BopCheck, AbsurdNumbersAreReportedByCheckAndRefusedByScore) {
+  const struct {
+    const char* file;
+    const char* place;  // JSON pointer
+    double number;
+    const char* fault;
+  } cases[] = {
+      {"test/000001/scene_gt.json", "/0/0/cam_t_m2c/0", 1e300, "'cam_t_m2c': is not 3 numbers"},
+      {"test/000001/scene_gt.json", "/0/0/cam_t_m2c/2", 1e-300, "from the camera, not 0.1 or more"},
+      {"test/000001/scene_camera.json", "/0/cam_K/0", 1e300, "'cam_K': is not 9 numbers"},
+      {"test/000001/scene_camera.json", "/0/cam_K/0", 1e-300, "must be from 0.001"},
+      {"test/000001/scene_camera.json", "/0/depth_scale", 1e300, "beyond 1e+09"},
+      {"test/000001/scene_camera.json", "/0/depth_scale", 1e8, "not from 1e-06 to 100"},
+      {"test/000001/scene_camera.json", "/0/depth_scale", 1e-300, "not from 1e-06 to 100"},
+      {"test/000001/scene_gt_info.json", "/0/0/bbox_obj/0", 1e300, "'bbox_obj': is not 4 numbers"},
+      {"test/000001/scene_gt_info.json", "/0/0/bbox_obj/0", 1e8, "beyond 1e+06 px"},
+      {"models/models_info.json", "/1/diameter", 1e300, "beyond 1e+09"},
+      {"models/models_info.json", "/1/diameter", 1e8, "at most 1e+06"},
+      {"camera.json", "/fx", 1e-300, "must be from 0.001"},
+      {"camera.json", "/fx", 1e300, "beyond 1e+09"},
+      {"camera.json", "/depth_scale", 1e300, "beyond 1e+09"},
+  };
+  for (const auto& c : cases) {
+    Copy();
+    Change(root() / c.file,
+           [&](ParsedJson& j) { j[ParsedJson::json_pointer(c.place)] = c.number; });
+    EXPECT_THAT(CheckDataset(root()).faults, ::testing::Contains(HasSubstr(c.fault))) << c.place;
+    if (std::string_view(c.file).starts_with("models/")) continue;  // scores use models_eval
+    EXPECT_THAT(ErrorOf([&] { EvaluateDataset(root(), "test", {}); }),
+                AllOf(HasSubstr((root() / c.file).string()), HasSubstr(c.fault)))
+        << c.place << " " << c.number;
+  }
+}
+
+TEST_F(BopCheck, ObjectNumbersOfMoreThan32BitsAreReported) {
+  for (const char* const id : {"18446744073709551615", "9223372036854775808",
+                               "-9223372036854775808", "4294967297", "1.5"}) {
+    Copy();
+    Change(scene() / "scene_gt.json",
+           [&](ParsedJson& j) { j["0"][0]["obj_id"] = ParsedJson::parse(id); });
+    EXPECT_THAT(CheckDataset(root()).faults,
+                ::testing::Contains(HasSubstr(std::string("'obj_id' is ") + id + ", not a whole")));
+  }
+}
+
+TEST_F(BopCheck, ScoringRefusesDepthOfAnotherSizeThanTheCamera) {
+  for (const auto& [width, height] : {std::pair(320, 240), std::pair(1, 1)}) {
+    Copy();
+    WritePng16(scene() / "depth" / "000000.png", Image<uint16_t>(width, height));
+    EXPECT_THAT(
+        ErrorOf([&] { EvaluateDataset(root(), "test", {}); }),
+        HasSubstr(fmt::format("is 96 x 72 pixels, its depth image {} x {}", width, height)));
+    fs::remove(scene() / "rgb" / "000000.png");
+    EXPECT_THAT(ErrorOf([&] { EvaluateDataset(root(), "test", {}); }),
+                HasSubstr(fmt::format("000000.png: is {} x {} pixels, but no camera*.json has",
+                                      width, height)));
+  }
 }
 
 TEST_F(BopCheck, WrongImagesAreReported) {

@@ -47,8 +47,8 @@ TEST(CameraIntrinsics, AllFaultsAreNamedInOneLine) {
   EXPECT_EQ(error,
             "camera intrinsics: width = 0: must be from 1 to 65536 px; "
             "height = -480: must be from 1 to 65536 px; "
-            "fx = nan: must be positive and at most 1e+12 px; "
-            "fy = 0: must be positive and at most 1e+12 px; "
+            "fx = nan: must be from 0.001 to 1e+12 px; "
+            "fy = 0: must be from 0.001 to 1e+12 px; "
             "cx = inf: must be from -1e+12 to 1e+12 px; "
             "cy = nan: must be from -1e+12 to 1e+12 px");
   EXPECT_EQ("camera intrinsics: " + CameraIntrinsics::FaultsOf(0, -480, kNan, 0, kInfinite, kNan),

@@ -412,6 +412,11 @@ TEST(LoadMesh, RefusesDamagedFilesInOneLine) {
                     "ply\nformat ascii 1.0\nelement vertex 4000000000\nend_header\n"),
        "have no room for"},
       {folder.Write("cut.stl", stl), "does not end with endsolid"},
+      {folder.Write("cut_face.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 2 3"), "is incomplete"},
+      {folder.Write("cut_index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1/1/1 2/2/2 3/"),
+       "is incomplete"},
+      {folder.Write("cut_vertex.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nv 0 1"),
+       "is incomplete"},
       {folder.Write("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"), "cannot read mesh"},
   };
   for (const auto& c : cases) {
@@ -420,7 +425,37 @@ TEST(LoadMesh, RefusesDamagedFilesInOneLine) {
     EXPECT_THAT(message, HasSubstr(c.text));
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   }
+  EXPECT_EQ(LoadMesh(folder.Write("no_line_end.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3"))
+                .triangles.size(),
+            1u);
   EXPECT_EQ(LoadMesh(folder.Write("whole.stl", stl + "endsolid x\n")).triangles.size(), 1u);
+}
+
+// assimp crashed on it without its validation.
+TEST(LoadMesh, LoadsAnObjWhoseMaterialFileNamesNoMaterial) {
+  const TemporaryFolder folder;
+  const std::string obj = folder.Write(
+      "a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl red\nf 1/1 2/1 3/1\n");
+  folder.Write("a.mtl", "newmtx red\nKd 1 0 0\nmap_Kd a.png\n");
+  EXPECT_EQ(LoadMesh(obj).triangles.size(), 1u);
+}
+
+// assimp never ends on a word among the indices of a DAE file.
+TEST(LoadMesh, EndsOnADaeWithAWordAmongItsIndices) {
+  const TemporaryFolder folder;
+  for (const char* const word : {"x", "1.5.2"}) {
+    const std::string dae = fmt::format(
+        R"(<?xml version="1.0"?><COLLADA version="1.4.1"><library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="a" count="9">0 0 0 1 0 0 0 1 0</float_array><technique_common>
+<accessor source="#a" count="3" stride="3"><param name="X" type="float"/><param name="Y"
+type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="1">
+<input semantic="VERTEX" source="#v" offset="0"/><p>0 {} 2</p></triangles></mesh></geometry>
+</library_geometries></COLLADA>)",
+        word);
+    const std::string file = folder.Write("a.dae", dae);
+    EXPECT_THAT(InputErrorOf([&] { LoadMesh(file); }), HasSubstr(file)) << word;
+  }
 }
 
 TEST(LoadMesh, RefusesABinaryPlyThatIsCutAnywhere) {
