@@ -9,6 +9,7 @@
 #include "eval/page/html.h"
 #include "eval/report/views_3d.h"
 #include "eval/store/results_store.h"
+#include "eval/store/store_check.h"
 #include "eval/summary/fill_text.h"
 #include "eval/summary/result_files.h"
 #include "eval/sweep/attempt_pictures.h"
@@ -324,6 +325,9 @@ ReportRun ReadReportRun(const fs::path& folder) {
     configuration.trials.bands = ReportedBands(configuration.spec.occlusion);
     for (const ObjectSpec& object : configuration.spec.objects)
       configuration.trials.objects.push_back(object.name);
+    for (const TrialResult& trial : configuration.trials.trials) {
+      CheckObjects(trial, configuration.trials.objects.size(), (folder / kStoreFile).string());
+    }
     std::vector<BinIndex> crashed_bins;
     for (const CrashedTrial& crashed : all_crashed) {
       if (crashed.configuration == stored.number) crashed_bins.push_back(crashed.bin_index);

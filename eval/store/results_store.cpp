@@ -166,7 +166,7 @@ ResultsStore::ResultsStore(const std::filesystem::path& folder, const StoreHead&
   UpdateConfigurations(db, head);
   transaction.Commit();
   StoreHead stored = ReadHead(db);
-  impl_ = std::make_unique<Impl>(std::move(db), std::move(stored), /*writes=*/true);
+  impl_.reset(new Impl{std::move(db), std::move(stored), /*writes=*/true});
 }
 
 ResultsStore ResultsStore::OpenToRead(const std::filesystem::path& folder, StoreChecks checks) {
@@ -183,14 +183,14 @@ ResultsStore ResultsStore::OpenToRead(const std::filesystem::path& folder, Store
     if (checks != StoreChecks::kVersion) CheckTables(db);
     if (checks == StoreChecks::kRows) CheckRows(db);
     StoreHead head = ReadHead(db);
-    return ResultsStore(std::make_unique<Impl>(std::move(db), std::move(head)));
+    return ResultsStore(std::unique_ptr<Impl>(new Impl{std::move(db), std::move(head)}));
   }
   Database copy = db.CopyInMemory();
   Migrate(copy);
   CheckTables(copy);
   if (checks == StoreChecks::kRows) CheckRows(copy);
   StoreHead head = ReadHead(copy);
-  return ResultsStore(std::make_unique<Impl>(std::move(copy), std::move(head)));
+  return ResultsStore(std::unique_ptr<Impl>(new Impl{std::move(copy), std::move(head)}));
 }
 
 void ResultsStore::Tidy(const std::filesystem::path& folder) {

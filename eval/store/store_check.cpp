@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "eval/store/schema_internal.h"
+#include "scenes/base/ids_format.h"
 #include "scenes/base/message_text.h"
 
 namespace pickbed::eval {
@@ -110,6 +111,19 @@ void CheckRows(const Database& db) {
   }
   RequireNumbered(db, "hypotheses", "trial, attempt", "hypothesis");
   RequireOwner(db, "hypothesis_metrics", "hypotheses", "trial, attempt", "hypothesis");
+}
+
+void CheckObjects(const TrialResult& result, size_t objects, const std::string& file) {
+  const auto check = [&](const char* table, ObjectId object) {
+    CheckInput(object >= 0 && static_cast<size_t>(int{object}) < objects,
+               fmt::format("{}: table '{}', trial {}: the settings have no object {}; {}", file,
+                           table, result.trial, object, kRestoreAdvice));
+  };
+  for (const AttemptRecord& attempt : result.attempts) {
+    for (const HypothesisRecord& row : attempt.hypotheses) check("hypotheses", row.object);
+    for (const InstanceRecord& row : attempt.instances) check("instances", row.object);
+  }
+  for (const InstanceOutcome& row : result.outcomes) check("instance_outcomes", row.object);
 }
 
 void CheckValues(const TrialResult& result) {

@@ -21,4 +21,8 @@ void CheckRows(const Database& db);
 // InputError that says what is wrong, without the file.
 void CheckValues(const TrialResult& result);
 
+// Checks that the settings of a trial have its objects. Throws InputError that names `file`.
+//   objects  number of objects in the settings
+void CheckObjects(const TrialResult& result, size_t objects, const std::string& file);
+
 }  // namespace pickbed::eval

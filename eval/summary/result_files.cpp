@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "eval/store/results_store.h"
+#include "eval/store/store_check.h"
 #include "eval/summary/occlusion_sheet.h"
 #include "eval/summary/run_columns.h"
 #include "eval/summary/run_csv.h"
@@ -45,6 +46,9 @@ ConfigurationSummary Summarized(const ResultsStore& store, const StoredConfigura
       single
           ? store.ReadAll()
           : store.Read(configuration.first_trial, configuration.first_trial + configuration.trials);
+  for (const TrialResult& trial : trials) {
+    CheckObjects(trial, names.size(), (out / kStoreFile).string());
+  }
   ConfigurationSummary result{configuration,
                               Summarize(trials, spec.cycle, ReportedBands(spec.occlusion))};
   if (spec.occlusion.enabled) {

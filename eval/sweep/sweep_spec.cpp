@@ -50,7 +50,10 @@ std::vector<std::string> RangeOf(const SettingsTree& entry) {
   if (read != 2 || used != static_cast<int>(entry.text.size())) return {};
   // Unsigned, because the difference of two numbers can exceed long long.
   const auto steps = static_cast<unsigned long long>(to) - static_cast<unsigned long long>(from);
-  if (from > to || steps >= kMaxConfigurations) Fail(entry, "must be ascending, for example 1..10");
+  if (from > to) Fail(entry, "must be ascending, for example 1..10");
+  if (steps >= kMaxConfigurations) {
+    Fail(entry, fmt::format("has more than {} values", kMaxConfigurations));
+  }
   std::vector<std::string> numbers;
   for (long long number = from; number <= to; ++number) numbers.push_back(std::to_string(number));
   return numbers;

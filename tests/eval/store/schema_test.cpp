@@ -10,10 +10,12 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <map>
 
 #include "eval/store/results_store.h"
+#include "eval/store/sqlite.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "tests/eval/full_trial.h"
@@ -154,6 +156,114 @@ TEST_F(ResultsSchemaTest, AddsTrialsToAStoreOfSchema4) {
   ExpectSameTrial(store.Read(1, 2).at(0), FullTrial(1));
   ExpectTrialsOfSchema4(store);
 }
+
+// A column that was added after schema 5, and the first version that has it.
+struct AddedColumn {
+  int version;
+  const char* table;
+  const char* column;
+};
+constexpr AddedColumn kAddedColumns[] = {
+    {7, "trials", "hand_eye_x_m"},
+    {7, "trials", "hand_eye_y_m"},
+    {7, "trials", "hand_eye_z_m"},
+    {7, "trials", "hand_eye_rx_rad"},
+    {7, "trials", "hand_eye_ry_rad"},
+    {7, "trials", "hand_eye_rz_rad"},
+    {7, "trials", "focal_error"},
+    {7, "trials", "principal_x_px"},
+    {7, "trials", "principal_y_px"},
+    {7, "trials", "depth_bias_m"},
+    {7, "trials", "depth_scale_error"},
+    {7, "trials", "bin_x_m"},
+    {7, "trials", "bin_y_m"},
+    {7, "trials", "bin_z_m"},
+    {7, "trials", "bin_rx_rad"},
+    {7, "trials", "bin_ry_rad"},
+    {7, "trials", "bin_rz_rad"},
+    {7, "attempts", "robot_x_m"},
+    {7, "attempts", "robot_y_m"},
+    {7, "attempts", "robot_z_m"},
+    {7, "attempts", "force_error"},
+    {7, "instance_outcomes", "friction_deviation"},
+    {7, "instance_outcomes", "mass_deviation"},
+    {7, "instance_outcomes", "size_deviation"},
+    {8, "attempts", "drop_time_s"},
+    {8, "attempts", "fill_level"},
+    {8, "attempts", "grasp_tool"},
+    {8, "attempts", "instances_above"},
+    {8, "attempts", "instances_below"},
+    {8, "attempts", "instances_entangled"},
+    {8, "attempts", "layer"},
+    {8, "attempts", "pick_of_image"},
+    {8, "attempts", "retention_g"},
+    {9, "attempts", "pose_free"},
+    {9, "trials", "instances_graspable"},
+    {9, "trials", "instances_tested"},
+    {9, "trials", "layers"},
+    {10, "hypotheses", "raw_score"},
+};
+
+// Returns all values of the columns that a version has, in the order of the columns' names.
+std::string ValuesOfVersion(const std::filesystem::path& folder, int version) {
+  const Database db(folder / kStoreFile, Database::Mode::kExisting);
+  std::string values;
+  Statement columns(db,
+                    "SELECT m.name, c.name FROM sqlite_master m, pragma_table_info(m.name) c WHERE "
+                    "m.type = 'table' AND m.name <> 'settings' ORDER BY m.name, c.name");
+  while (columns.Step()) {
+    std::string table, column;
+    columns.Read(0, table);
+    columns.Read(1, column);
+    const bool is_new = std::any_of(
+        std::begin(kAddedColumns), std::end(kAddedColumns), [&](const AddedColumn& added) {
+          return added.version > version && added.table == table && added.column == column;
+        });
+    if (is_new) continue;
+    Statement rows(db, fmt::format("SELECT quote({}) FROM {} ORDER BY rowid", column, table));
+    while (rows.Step()) {
+      std::string value;
+      rows.Read(0, value);
+      values += fmt::format("{}.{}: {}\n", table, column, value);
+    }
+  }
+  return values;
+}
+
+class EarlierSchema : public ResultsSchemaTest, public testing::WithParamInterface<int> {};
+
+TEST_P(EarlierSchema, IsMigratedWithAllItsValuesAndContinued) {
+  const int version = GetParam();
+  {
+    ResultsStore store(folder_, kSettings);
+    for (int trial = 0; trial < 2; ++trial) store.Write(FullTrial(trial));
+  }
+  std::string sql;
+  for (const AddedColumn& added : kAddedColumns) {
+    if (added.version <= version) continue;
+    sql += fmt::format("ALTER TABLE {} DROP COLUMN {};", added.table, added.column);
+  }
+  RunSql(folder_, sql + fmt::format("UPDATE settings SET value = '{}' WHERE key = "
+                                    "'schema_version'",
+                                    version));
+  const std::string before = ValuesOfVersion(folder_, version), file = bytes();
+  EXPECT_THAT(before, HasSubstr("attempts.success: "));
+  EXPECT_EQ(ResultsStore::OpenToRead(folder_).ReadAll().size(), 2u);
+  EXPECT_EQ(bytes(), file) << "reading changed the file";
+
+  ResultsStore store(folder_, kSettings);
+  EXPECT_EQ(ValuesOfVersion(folder_, version), before);
+  for (const TrialResult& trial : store.ReadAll()) {
+    for (const HypothesisRecord& hypothesis : trial.attempts.at(0).hypotheses) {
+      EXPECT_EQ(hypothesis.raw_score, hypothesis.score);
+    }
+  }
+  store.Write(FullTrial(2));
+  EXPECT_THAT(store.FinishedTrials(), ElementsAre(0, 1, 2));
+  ExpectSameTrial(store.Read(2, 3).at(0), FullTrial(2));
+}
+
+INSTANTIATE_TEST_SUITE_P(Versions, EarlierSchema, testing::Values(6, 7, 8, 9));
 
 TEST_F(ResultsSchemaTest, RefusesUnknownVersionsInOneLine) {
   ResultsStore(folder_, "s").Write(FullTrial(0));

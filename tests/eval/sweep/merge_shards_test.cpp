@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "eval/store/results_store.h"
+#include "eval/store/sqlite.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "tests/eval/stub_sweep.h"
@@ -121,6 +122,30 @@ TEST_F(MergeTest, ComparedRunsWithEqualNamesAreDistinguished) {
     names.push_back(point.configuration.name);
   }
   EXPECT_THAT(names, ElementsAre("a/run", "x/b/run", "y/b/run", "other"));
+}
+
+TEST_F(MergeTest, DamagedInputIsNamedAndNotTheCopy) {
+  const Sweep sweep = StubSweep(1, 4);
+  const auto a = Store("a", sweep, {0, 1}), b = Store("b", sweep, {2});
+  std::string bytes = ReadFileBytes(b / kStoreFile);
+  for (size_t at = 8192; at < bytes.size(); at += 7) bytes[at] = '?';
+  WriteFileAtomically(b / kStoreFile, bytes);
+  const std::string error = ErrorOf([&] { MergeStores({a, b}, folder_ / "out"); });
+  EXPECT_THAT(error, HasSubstr((b / kStoreFile).string()));
+  EXPECT_EQ(error.find("/out/"), std::string::npos) << error;
+  EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+}
+
+TEST_F(MergeTest, ObjectsThatTheSettingsDoNotHaveAreRefused) {
+  for (const char* const table : {"hypotheses", "instances", "instance_outcomes"}) {
+    const auto a = Store(table, StubSweep(1, 2), {0, 1});
+    Database(a / kStoreFile, Database::Mode::kExisting)
+        .Execute(fmt::format("UPDATE {} SET object = 99 WHERE rowid = 1", table));
+    EXPECT_THAT(
+        ErrorOf([&] { MergeStores({a}, folder_ / "out"); }),
+        HasSubstr(fmt::format("table '{}', trial 0: the settings have no object 99", table)));
+    std::filesystem::remove_all(folder_ / "out");
+  }
 }
 
 TEST_F(MergeTest, FolderWithOtherResultsIsLeftUnchanged) {

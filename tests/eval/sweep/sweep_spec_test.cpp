@@ -222,12 +222,27 @@ INSTANTIATE_TEST_SUITE_P(
                  "is given twice"},
         BadSweep{"BackwardRange", "scenario: demo\ngrid:\n  seed: 9..3\n", "sweep.yaml:3",
                  "ascending"},
+        BadSweep{"WidestRange",
+                 "scenario: demo\ngrid:\n  seed: -9223372036854775808..9223372036854775807\n",
+                 "sweep.yaml:3", "has more than"},
+        BadSweep{"WithinItself", "scenario: demo\ngrid: {seed: [1]}\nset: &a [*a]\n", "sweep.yaml",
+                 "refers to itself"},
         BadSweep{"Trials", "scenario: demo\ntrials: none\ngrid: {seed: [1]}\n", "sweep.yaml:2",
                  "whole number"},
         BadSweep{"UnknownSlurmKey", "scenario: demo\ngrid: {seed: [1]}\nslurm:\n  queue: x\n",
                  "sweep.yaml:4", "partition"},
         BadSweep{"NoYaml", "scenario: [demo\n", "sweep.yaml", "not valid YAML"}),
     [](const auto& info) { return info.param.name; });
+
+TEST_F(SweepSpecTest, LongNamesAndManyKeysAreRefusedInOneLine) {
+  EXPECT_THAT(
+      ErrorOf([&] { Make("scenario: " + std::string(5000, 'x') + "\ngrid: {seed: [1]}\n"); }),
+      testing::AllOf(HasSubstr("sweep.yaml:1"), Not(HasSubstr("\n"))));
+  std::string many = "scenario: demo\ngrid:\n";
+  for (int i = 0; i < 20000; ++i) many += fmt::format("  objects.{}.count: [1]\n", i);
+  EXPECT_THAT(ErrorOf([&] { Make(many); }),
+              testing::AllOf(HasSubstr("sweep.yaml"), Not(HasSubstr("\n"))));
+}
 
 }  // namespace
 }  // namespace pickbed::tests
