@@ -9,8 +9,6 @@
 #include "eval/bop/dataset_scores.h"
 #include "eval/bop/results_csv.h"
 #include "eval/frames/frame_files.h"
-#include "eval/store/results_store.h"
-#include "eval/store/sqlite.h"
 #include "eval/sweep/sweep_spec.h"
 #include "grasp/grippers/table.h"
 #include "perception/completion/completion_file.h"
@@ -27,7 +25,7 @@
 #include "scenes/scenario/scenario_spec.h"
 #include "sim/sensor/sensor_profile.h"
 #include "tests/eval/bop_small_dataset.h"
-#include "tests/eval/full_trial.h"
+#include "tests/fuzz/store_targets.h"
 #include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
@@ -194,88 +192,7 @@ FuzzTarget BopTarget(const std::string& name, const std::string& file) {
   return target;
 }
 
-// ---- Stores and models ----
-
-std::string StoreBytes() {
-  const TemporaryFolder temporary;
-  {
-    ResultsStore store(temporary.path(), "seed: 1");
-    for (int trial = 0; trial < 2; ++trial) store.Write(FullTrial(trial));
-  }
-  return ReadFileBytes(temporary.path() / kStoreFile);
-}
-
-void ReadStore(const fs::path& folder) {
-  const ResultsStore store = ResultsStore::OpenToRead(folder);
-  store.ForEach([](const TrialResult&) {});
-  store.Outcomes();
-  store.Crashed();
-}
-
-// The bytes are SQL statements, one on each line, that edit a store.
-FuzzTarget StoreSqlTarget() {
-  const auto run = [](const fs::path& folder, const std::string& bytes) {
-    static const std::string kStore = StoreBytes();
-    fs::remove_all(folder / "store");
-    MakeFolder(folder / "store");
-    WriteFileAtomically(folder / "store" / kStoreFile, kStore);
-    {
-      const Database db(folder / "store" / kStoreFile, Database::Mode::kExisting);
-      for (size_t from = 0; from < bytes.size();) {
-        const size_t end = std::min(bytes.find('\n', from), bytes.size());
-        const std::string statement = bytes.substr(from, end - from);
-        from = end + 1;
-        const bool edits = statement.starts_with("UPDATE ") || statement.starts_with("DELETE ") ||
-                           statement.starts_with("ALTER ") || statement.starts_with("DROP ");
-        if (edits) sqlite3_exec(db.handle(), statement.c_str(), nullptr, nullptr, nullptr);
-      }
-    }
-    ReadStore(folder / "store");
-  };
-  const auto seeds = [] {
-    Contents contents;
-    for (const char* const table : {"trials", "attempts", "hypotheses", "hypothesis_metrics",
-                                    "instances", "instance_outcomes", "rejections", "refusals",
-                                    "bands", "timings", "configurations", "settings"}) {
-      for (const char* const column : {"trial",
-                                       "attempt",
-                                       "hypothesis",
-                                       "instance",
-                                       "object",
-                                       "score",
-                                       "failure",
-                                       "grasp_x_wg",
-                                       "x_wo",
-                                       "visible_fraction",
-                                       "status",
-                                       "layers",
-                                       "configuration",
-                                       "seed",
-                                       "metric",
-                                       "value",
-                                       "chosen_hypothesis",
-                                       "band",
-                                       "cause",
-                                       "settings",
-                                       "identity"}) {
-        contents.push_back(fmt::format("UPDATE {} SET {} = 1 WHERE rowid = 1\n", table, column));
-        contents.push_back(fmt::format("UPDATE {} SET {} = '[1,0,0]'\n", table, column));
-      }
-      contents.push_back(fmt::format("DELETE FROM {} WHERE rowid = 1\n", table));
-      contents.push_back(fmt::format("DROP TABLE {}\n", table));
-    }
-    return contents;
-  };
-  return {"store_sql", run, seeds};
-}
-
-FuzzTarget StoreTarget() {
-  const auto run = [](const fs::path& folder, const std::string& bytes) {
-    WriteFileAtomically(folder / kStoreFile, bytes);
-    ReadStore(folder);
-  };
-  return {"store", run, [] { return Contents{StoreBytes()}; }};
-}
+// ---- Models ----
 
 constexpr size_t kBlockHead = 24, kHashAt = 16;  // magic, version, check sum
 

@@ -1,0 +1,272 @@
+#!/usr/bin/env python3
+"""Injects a fault into runs and sweeps at seeded moments, and requires that nothing is lost.
+
+    faults.py PICKBED FAULT CASES SEED
+
+Each case starts `pickbed run` or `pickbed sweep` with two workers, injects the fault, and repeats the command
+with --resume. Trials that were stored before are kept and not repeated, no trial is missing or doubled, and
+all results are, byte by byte, those of an undisturbed run. FAULT is one of
+
+    kill_group       SIGKILL to all processes
+    kill_parent      SIGKILL to the parent; its workers end by themselves
+    kill_worker      SIGKILL to one worker; the run goes on by itself
+    terminate        SIGTERM to the parent
+    terminate_group  SIGTERM to all processes, as Slurm sends it
+    full_disk        a disk of seeded size, which then gets room
+    clock_back       as kill_group, and the clock is 400 days earlier when the command is repeated
+
+Exit status 77: this machine does not permit the fault, with the reason on stderr.
+"""
+
+import filecmp
+import os
+import pathlib
+import random
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import time
+
+SKIPPED = 77
+INTERRUPTED = 130
+BAD_INPUT = 1
+LIMIT_S = 300  # of one command; only a hang takes so long
+DISK_BYTES = 64 << 20
+
+SCENARIO = """\
+seed: 7
+trials: 4
+objects: [{name: rod, count: 2}]
+estimator: {name: oracle, noise_mm: 1}
+"""
+SWEEP = """\
+scenario: small.yaml
+trials: 2
+grid: {estimator.noise_mm: [1, 9]}
+"""
+# Times, and the store, whose rows are compared instead.
+NOT_COMPARED = {"timings.csv", "lock", "results.sqlite", "results.sqlite-journal", "results.sqlite-wal",
+                "results.sqlite-shm"}
+
+
+class Failed(Exception):
+    """A case did not behave as it must."""
+
+
+def require(condition, message):
+    if not condition:
+        raise Failed(message)
+
+
+class Command:
+    """`pickbed run` or `pickbed sweep` into a folder, in a process group of its own."""
+
+    def __init__(self, pickbed, kind, work):
+        self.kind = kind
+        self.work = work
+        self.arguments = [pickbed, kind, f"{'small' if kind == 'run' else 'sweep'}.yaml", "--jobs", "2",
+                          "--pictures", "1"]
+
+    def start(self, out, *more, clock=()):
+        errors = open(self.work / "stderr.txt", "w")
+        return subprocess.Popen([*clock, *self.arguments, "--out", out, *more], cwd=self.work, start_new_session=True,
+                                stdout=subprocess.DEVNULL, stderr=errors)
+
+    def finish(self, out, *more, clock=()):
+        """Runs the command to its end and returns its exit status. `clock`: a program that changes the clock."""
+        return wait(self.start(out, *more, clock=clock))
+
+    def error_lines(self):
+        """The lines on stderr that are no progress."""
+        lines = (self.work / "stderr.txt").read_text().splitlines()
+        return [line for line in lines if line.startswith("pickbed: ")]
+
+
+def wait(process):
+    """Waits for the process and all others of its group. Returns the exit status."""
+    status = process.wait(LIMIT_S)
+    deadline = time.monotonic() + LIMIT_S
+    while time.monotonic() < deadline:
+        try:
+            os.killpg(process.pid, 0)
+        except ProcessLookupError:
+            return status
+        time.sleep(0.01)
+    raise Failed("processes of the run do not end")
+
+
+def workers_of(pid):
+    try:
+        return [int(child) for child in pathlib.Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+    except FileNotFoundError:
+        return []
+
+
+def rows(folder, with_times=False):
+    """All rows of a store, by table; {} without a store. It reads a copy, because reading repairs a store."""
+    if not (folder / "results.sqlite").exists():
+        return {}
+    with tempfile.TemporaryDirectory() as copy:
+        for file in folder.glob("results.sqlite*"):
+            shutil.copy(file, copy)
+        database = sqlite3.connect(pathlib.Path(copy) / "results.sqlite")
+        names = [name for name, in database.execute("SELECT name FROM sqlite_master WHERE type = 'table'")]
+        tables = {name: sorted(database.execute(f"SELECT * FROM {name}"), key=repr) for name in names}
+        database.close()
+    if not with_times:
+        tables.pop("timings", None)
+    return tables
+
+
+def trials(tables):
+    return sorted(row[0] for row in tables.get("trials", []))
+
+
+def files(folder):
+    return {str(file.relative_to(folder)) for file in folder.rglob("*") if file.is_file()}
+
+
+def require_same(out, whole):
+    """Requires the rows and files of an undisturbed run."""
+    numbers = trials(rows(out))
+    require(len(set(numbers)) == len(numbers), f"doubled trials: {numbers}")
+    require(numbers == trials(rows(whole)), f"not all trials: {numbers}")
+    require(rows(out) == rows(whole), "other rows in the store")
+    names, expected = files(out) - NOT_COMPARED, files(whole) - NOT_COMPARED
+    require(names == expected, f"other files: {sorted(names ^ expected)}")
+    for name in names:
+        require(filecmp.cmp(out / name, whole / name, shallow=False), f"{name} differs")
+
+
+def require_kept(before, out):
+    """Requires that the trials stored before are still there, with the times of their only execution."""
+    after = rows(out, with_times=True)
+    for table in ("trials", "timings"):
+        gone = set(map(repr, before.get(table, []))) - set(map(repr, after[table]))
+        require(not gone, f"{len(gone)} earlier rows of table {table} are gone, such as {next(iter(gone), '')}")
+
+
+def signal_at(process, fault, moment_s, rng):
+    """Sends the signal of the fault at a moment, or as soon as there is a worker."""
+    time.sleep(moment_s)
+    if fault == "kill_worker":
+        while process.poll() is None:
+            workers = workers_of(process.pid)
+            if workers:
+                os.kill(rng.choice(workers), signal.SIGKILL)
+                return
+            time.sleep(0.005)
+        return
+    number = signal.SIGTERM if fault.startswith("terminate") else signal.SIGKILL
+    if process.poll() is not None:
+        return
+    if fault.endswith("_group") or fault == "clock_back":
+        os.killpg(process.pid, number)
+    else:
+        os.kill(process.pid, number)
+
+
+def signal_case(command, fault, whole, out, duration_s, rng):
+    moment_s = rng.uniform(0, duration_s)
+    process = command.start(out.name)
+    signal_at(process, fault, moment_s, rng)
+    status = wait(process)
+    lines = command.error_lines()
+    # Before main() the signals still have their usual effect, and the folder is not yet there.
+    early = not out.exists() and status == -signal.SIGTERM
+    expected = {"kill_group": {0, -signal.SIGKILL}, "kill_parent": {0, -signal.SIGKILL}, "kill_worker": {0},
+                "clock_back": {0, -signal.SIGKILL}}
+    require(early or status in expected.get(fault, {0, INTERRUPTED}), f"exit status {status}: {lines}")
+    require(len(lines) <= 1, f"more than one line: {lines}")
+    before = rows(out, with_times=True)
+    if status == INTERRUPTED and trials(before):
+        require(lines and "--resume" in lines[0] or lines == ["pickbed: interrupted"], f"no advice: {lines}")
+    clock = ("faketime", "-f", "-400d") if fault == "clock_back" else ()
+    status = command.finish(out.name, "--resume", clock=clock)
+    require(status == 0, f"exit status {status} of --resume: {command.error_lines()}")
+    require_kept(before, out)
+    require_same(out, whole)
+    return f"after {moment_s:.2f} s with {len(trials(before))} trials"
+
+
+def disk_case(command, whole, out, size, rng):
+    """Runs on a disk that becomes full, tries again, makes room and resumes."""
+    disk_bytes = rng.randrange(8 << 10, size, 4 << 10)
+    out.mkdir()
+    mount = lambda options: subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", out], check=True)
+    mount(f"size={disk_bytes}")
+    try:
+        for arguments in ([], ["--resume"]):
+            status = command.finish(out.name, *arguments)
+            lines = command.error_lines()
+            require(status == BAD_INPUT, f"exit status {status} on a disk of {disk_bytes} bytes: {lines}")
+            require(len(lines) == 1 and f"{out.name}/" in lines[0], f"not one line with the file: {lines}")
+            require("No space left" in lines[0] or "is full" in lines[0], f"not called full: {lines}")
+            before = rows(out, with_times=True)
+        mount(f"remount,size={DISK_BYTES}")
+        status = command.finish(out.name, "--resume")
+        require(status == 0, f"exit status {status} of --resume: {command.error_lines()}")
+        require_kept(before, out)
+        require_same(out, whole)
+    finally:
+        subprocess.run(["umount", out], check=True)
+    return f"full at {disk_bytes >> 10} kB with {len(trials(before))} trials"
+
+
+def mounts_of_our_own():
+    """Starts this program again where it may mount, if it is not there."""
+    if os.environ.get("PICKBED_FAULTS_MOUNT") == "yes":
+        return
+    unshare = ["unshare", "--mount"] + ([] if os.geteuid() == 0 else ["--map-root-user"])
+    probe = subprocess.run([*unshare, "mount", "-t", "tmpfs", "tmpfs", "/mnt"], capture_output=True, text=True)
+    if probe.returncode != 0:
+        print(f"skipped: this machine permits no mount: {probe.stderr.strip()}", file=sys.stderr)
+        sys.exit(SKIPPED)
+    os.environ["PICKBED_FAULTS_MOUNT"] = "yes"
+    os.execvp(unshare[0], [*unshare, sys.executable, *sys.argv])
+
+
+def main():
+    pickbed, fault, cases, seed = sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
+    if fault == "full_disk":
+        mounts_of_our_own()
+    if fault == "clock_back" and shutil.which("faketime") is None:
+        print("skipped: there is no faketime; see group test in packages.txt", file=sys.stderr)
+        return SKIPPED
+    failures = 0
+    with tempfile.TemporaryDirectory(prefix="pickbed_faults_") as name:
+        work = pathlib.Path(name)
+        (work / "small.yaml").write_text(SCENARIO)
+        (work / "sweep.yaml").write_text(SWEEP)
+        undisturbed = {}
+        for kind in ("run", "sweep"):
+            command = Command(os.path.abspath(pickbed), kind, work)
+            start = time.monotonic()
+            require(command.finish(f"whole_{kind}") == 0, f"the undisturbed {kind} fails")
+            duration_s = time.monotonic() - start
+            whole = work / f"whole_{kind}"
+            size = sum((whole / file).stat().st_size for file in files(whole))
+            undisturbed[kind] = command, whole, duration_s, size
+        for case in range(cases):
+            rng = random.Random(f"{seed} {fault} {case}")
+            command, whole, duration_s, size = undisturbed["run" if case % 2 == 0 else "sweep"]
+            out = work / "out"
+            shutil.rmtree(out, ignore_errors=True)
+            try:
+                if fault == "full_disk":
+                    what = disk_case(command, whole, out, size, rng)
+                else:
+                    what = signal_case(command, fault, whole, out, duration_s, rng)
+                print(f"{fault} {case}: {command.kind}, {what}: as undisturbed", flush=True)
+            except Failed as failed:
+                failures += 1
+                print(f"{fault} {case}: {command.kind}: FAILED: {failed}", flush=True)
+    print(f"{fault}: {cases} cases, {failures} failures")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
