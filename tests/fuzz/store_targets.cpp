@@ -115,15 +115,20 @@ FuzzTarget StoreSqlTarget() {
     // A value of each type, and the ends of ranges, for each table and column.
     constexpr const char* kValues[] = {"NULL", "-1",  "1",         "2147483648", "1e300",  "-0.5",
                                        "''",   "'x'", "'[1,0,0]'", "'finished'", "x'00ff'"};
-    constexpr int kTables = 12, kColumns = 64;
+    // Several edits in each, so that most mutations leave some of them valid.
+    constexpr int kTables = 12, kColumns = 64, kContents = 120, kEdits = 6;
     Contents contents;
-    for (int table = 0; table < kTables; ++table) {
-      for (int column = 0; column < kColumns; ++column) {
-        const char* const value = kValues[(table + column) % std::size(kValues)];
-        contents.push_back(fmt::format("u {} {} {} {}\n", table, column, column % 3, value));
+    for (int i = 0; i < kContents; ++i) {
+      std::string edits;
+      for (int j = 0; j < kEdits; ++j) {
+        edits += fmt::format("u {} {} {} {}\n", (i + 5 * j) % kTables, (7 * i + 11 * j) % kColumns,
+                             (i + j) % 3, kValues[(3 * i + j) % std::size(kValues)]);
       }
+      contents.push_back(edits);
+    }
+    for (int table = 0; table < kTables; ++table) {
       for (const char edit : {'d', 'c', 'r', 't'}) {
-        contents.push_back(fmt::format("{} {} {} 0\n", edit, table, table));
+        contents.push_back(fmt::format("{0} {1} {1} 0\nu {2} {1} 1 -1\n", edit, table, table + 1));
       }
     }
     return contents;

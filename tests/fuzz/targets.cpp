@@ -184,8 +184,9 @@ FuzzTarget BopTarget(const std::string& name, const std::string& file) {
     fs::remove_all(root);
     Small().CopyTo(root);
     WriteFileAtomically(root / file, bytes);
-    CheckDataset(root);
+    const std::vector<std::string> faults = CheckDataset(root).faults;
     EvaluateDataset(root, "test", {});
+    if (!faults.empty()) throw InputError(faults.front());
   };
   FuzzTarget target{"bop_" + name, run, [file] { return Contents{Small().Read(file)}; }};
   target.reads_file = false;  // other files of the set can be at fault
