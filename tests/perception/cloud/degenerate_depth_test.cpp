@@ -68,7 +68,7 @@ RgbdFrame FrameOf(const DepthCase& test) {
 }
 
 void ExpectFinite(const OrganizedCloud& cloud, const std::string& name) {
-  EXPECT_TRUE(std::isfinite(cloud.noise_at_1m)) << name;
+  EXPECT_TRUE(std::isfinite(cloud.depth_statistics.Error_m())) << name;
   for (size_t i = 0; i < cloud.points_C.size(); ++i) {
     ASSERT_TRUE(cloud.points_C[i].allFinite()) << name << " " << i;
     ASSERT_TRUE(std::isfinite(cloud.depth_m.data()[i]) && cloud.depth_m.data()[i] >= 0) << name;
