@@ -284,12 +284,13 @@ const std::vector<ScoredHypothesis>& LiveAttempt::Estimate() {
 }
 
 void LiveAttempt::Plan() {
+  planned_ = true;
+  if (task_.is_stir) return;
   const CapturedImage& image = *trial_.image;
   chosen_ = eval::ChooseGrasp(setup_, {trial_.scene, trial_.objects}, image.view, trial_.failed,
                               image.picks, PlanSeed(setup_, trial_.bin_index, task_.attempt),
                               record_, trial_.seconds);
   for (const auto& [stage, count] : TakeNotFiniteCounts()) trial_.seconds[stage] += count;
-  planned_ = true;
   const std::optional<PlannerFailure>& failure = record_.planner_failure;
   if (IsFirstImage(trial_.bin_index, task_.attempt) && failure && failure->is_malformed) {
     throw InputError(failure->text);  // most probably a mistake that all answers have

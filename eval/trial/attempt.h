@@ -49,7 +49,8 @@ struct AttemptTask {
   int attempt = 0;
   InstanceId target = kNoInstance;  // instance, -1 = any
   int band = -1;                    // band of the target's visible fraction, -1 = none
-  int stir = -1;  // number of the stir in its trial if no grasp is found, -1 = do not stir
+  int stir = -1;         // number of the stir in its trial if no grasp is found, -1 = do not stir
+  bool is_stir = false;  // no grasp is searched
 };
 
 // One attempt, stage by stage. It replaces trial.scene by the scene after the pick, adds the stage

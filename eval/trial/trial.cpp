@@ -85,7 +85,9 @@ LiveAttempt& PickingTrial::Attempt() {
   const bool is_last = state_.failures_in_row + 1 >= policy.max_failures_in_row ||
                        state_.attempts + 1 == max_attempts_;
   may_stir_ = stirs_ < policy.stir.max && !is_last;
-  if (may_stir_ && without_grasp_ + 1 >= policy.stir.after) task.stir = stirs_;
+  task.is_stir =
+      may_stir_ && policy.stir.after_failures > 0 && failed_ >= policy.stir.after_failures;
+  if (task.is_stir || (may_stir_ && without_grasp_ + 1 >= policy.stir.after)) task.stir = stirs_;
   if (MayUseLastImage(setup_, result_.attempts)) {
     attempt_ = LiveAttempt::WithLastImage(setup_, task.attempt, *trial_);
   }
@@ -107,6 +109,7 @@ const AttemptRecord& PickingTrial::Execute(const std::optional<Grasp>& grasp) {
   const bool program_failed = ProgramFailed(attempt.failure);
   if (!program_failed) without_grasp_ = attempt.grasp || stirred ? 0 : without_grasp_ + 1;
   state_.grasp_found = UsedHand(attempt) || may_stir_ || program_failed;
+  failed_ = picked || stirred ? 0 : failed_ + 1;
   state_.failures_in_row = picked ? 0 : state_.failures_in_row + 1;
   if (policy_.gives_up(state_, setup_.spec.policy)) result_.ended_by = attempt.failure;
   return attempt;

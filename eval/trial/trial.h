@@ -54,6 +54,7 @@ class PickingTrial {
   PolicyState state_;
   int stirs_ = 0;
   int without_grasp_ = 0;  // attempts in a row
+  int failed_ = 0;         // attempts in a row since the last success or stir
   bool may_stir_ = false;  // in the attempt under way, or later
 };
 

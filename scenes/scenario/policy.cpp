@@ -41,6 +41,9 @@ void StirSpec::Visit(SettingsVisitor& v) {
             "maximum number of times in a trial that the closed hand stirs the bin, 0 = never");
   v.Integer("after", after, {1, 1000},
             "number of consecutive attempts without a grasp after which the bin is stirred");
+  v.Integer("after_failures", after_failures, {0, 1000},
+            "number of failed attempts since the last success or stir after which the bin is "
+            "stirred instead of another attempt, 0 = only without a grasp");
 }
 
 void PolicySpec::Visit(SettingsVisitor& v) {

@@ -13,8 +13,9 @@ namespace pickbed::scenes {
 // Last resort when no grasp is found: the closed hand pushes through the clutter. It counts and
 // costs as a failed pick.
 struct StirSpec {
-  int max = 0;    // in a trial, 0 = never
-  int after = 1;  // attempts in a row without a grasp
+  int max = 0;             // in a trial, 0 = never
+  int after = 1;           // attempts in a row without a grasp
+  int after_failures = 0;  // failed attempts in a row since the last success or stir, 0 = never
   void Visit(SettingsVisitor& v);
 };
 

@@ -358,6 +358,13 @@ void ScenarioSpec::Validate() const {
       fmt::format("{} = {}: the trial ends after {} failures in a row, before it stirs; raise "
                   "policy.max_failures_in_row",
                   At("policy.stir.after"), policy.stir.after, policy.max_failures_in_row));
+  CheckInput(
+      policy.stir.max == 0 || policy.stir.after_failures + 1 < policy.max_failures_in_row ||
+          policy.stir.after_failures == 0,
+      fmt::format("{} = {}: the trial ends after {} failures in a row, before it stirs; raise "
+                  "policy.max_failures_in_row",
+                  At("policy.stir.after_failures"), policy.stir.after_failures,
+                  policy.max_failures_in_row));
   CheckInput(policy.picks_per_image == 1 || !occlusion.enabled,
              fmt::format("{} = {}: each pick of an occlusion scenario has its own scene and image; "
                          "remove it or set occlusion.enabled: false",

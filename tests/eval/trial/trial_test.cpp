@@ -175,6 +175,32 @@ TEST(Trial, StirWaitsForConsecutiveAttemptsWithoutAGrasp) {
   EXPECT_EQ(result.attempts[2].failure, FailureReason::kStirred);
 }
 
+// The robot misses the cube by centimetres. Each stir follows two failed grasps.
+TEST(Trial, FailedGraspsCauseAStir) {
+  ScenarioSpec spec = CubeScenario(1);
+  spec.cell.repeatability_mm = 60;
+  spec.policy.stop = "capture_again";
+  spec.policy.max_failures_in_row = 7;
+  spec.policy.stir.max = 2;
+  spec.policy.stir.after = 6;
+  spec.policy.stir.after_failures = 2;
+  const TrialResult result = RunOne(spec, EasyCube());
+  int stirs = 0, failed = 0;
+  for (const AttemptRecord& attempt : result.attempts) {
+    if (attempt.failure == FailureReason::kStirred) {
+      EXPECT_FALSE(attempt.grasp);
+      EXPECT_EQ(failed, 2);
+      ++stirs;
+      failed = 0;
+    } else {
+      failed = attempt.failure == FailureReason::kNone ? 0 : failed + 1;
+    }
+  }
+  EXPECT_EQ(stirs, 2);
+  spec.policy.stir.after_failures = 6;
+  EXPECT_THAT(ErrorOf([&] { spec.Validate(); }), testing::HasSubstr("policy.stir.after_failures"));
+}
+
 // The jaw cannot hold the cube of 9 cm, and the small cup not the other one.
 TEST(Trial, EachPickUsesTheToolThatHoldsItsObject) {
   ScenarioSpec spec = CubeScenario(2);
