@@ -113,14 +113,14 @@ void CheckEdges(const RgbdFrame& frame, std::vector<FrameFinding>& findings) {
   if (!found || found->fit_here >= kMinFit) return;
   if (found->CornerShift_px(frame.intrinsics) < kMinCornerShift_px) return;
   const bool is_shift = found->scale == 1;
-  const std::string scaled = is_shift ? "; the colour image is moved accordingly"
+  const std::string remedy = is_shift ? "; the colour image is moved accordingly"
                                       : fmt::format(" and scaled by {:.2f}", found->scale);
   FrameFinding finding{
       FrameFault::kEdges, false,
       fmt::format("the depth edges contradict the colour edges: they fit when moved by ({:.0f}, "
                   "{:.0f}) px{}; check that depth is registered to this colour image with its "
                   "intrinsics",
-                  found->shift_px.x(), found->shift_px.y(), scaled)};
+                  found->shift_px.x(), found->shift_px.y(), remedy)};
   if (is_shift) finding.color_move_px = (-found->shift_px).array().round().matrix().cast<int>();
   findings.push_back(std::move(finding));
 }

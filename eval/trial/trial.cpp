@@ -109,7 +109,7 @@ const AttemptRecord& PickingTrial::Execute(const std::optional<Grasp>& grasp) {
   const bool program_failed = ProgramFailed(attempt.failure);
   if (!program_failed) without_grasp_ = attempt.grasp || stirred ? 0 : without_grasp_ + 1;
   state_.grasp_found = UsedHand(attempt) || may_stir_ || program_failed;
-  failed_ = picked || stirred ? 0 : failed_ + 1;
+  if (!program_failed) failed_ = picked || stirred ? 0 : failed_ + 1;
   state_.failures_in_row = picked ? 0 : state_.failures_in_row + 1;
   if (policy_.gives_up(state_, setup_.spec.policy)) result_.ended_by = attempt.failure;
   return attempt;

@@ -264,6 +264,26 @@ TEST(TrainObjectVerifier, CrossFittingCorrectsAnOverfittedNetwork) {
   EXPECT_LT(sum, 0.75 * overconfident);
 }
 
+// A training that ran out of time has four rooms.
+TEST(TrainObjectVerifier, FourRoomsGiveACalibration) {
+  RayCastViews views({ObjectOf(BracketMesh())});
+  VerifierTrainingOptions options;
+  options.views_per_scene = 1;
+  options.verifier.iterations = 50;
+  const LabelledView view = views.ClutterScene({1, 1, ObjectId{0}}).front();
+  VerifierTrainingSet set;
+  set.clutter_scenes.assign(4, view);
+  set.rooms.assign(4, view);
+  const Uninformed source(views.objects(), view.instances);
+  const std::vector<const CandidateSource*> sources{&source};
+  const Verifier verifier =
+      TrainObjectVerifier(set, ObjectId{0}, sources, options, [](double) { return true; }).verifier;
+  const auto scale = [&](BackgroundKind kind) {
+    return verifier.calibrations[static_cast<size_t>(kind)][0].scale;
+  };
+  EXPECT_TRUE(scale(BackgroundKind::kFitted) != 1 || scale(BackgroundKind::kNone) != 1);
+}
+
 // An overconfident verifier: Newton's whole steps would diverge to scales of thousands.
 TEST(Calibrate, EqualLogitsGetTheirShareOfRightPoses) {
   std::vector<ScoredPose> poses;
