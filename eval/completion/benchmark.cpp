@@ -153,10 +153,12 @@ CompletionBenchmark RunCompletionBenchmark(
       const CompletedVolume truth = TrueVolume(*shape.solid, drawn, completed.front());
       const std::vector<Eigen::Vector3f> surface = TrueSurfacePoints(*shape.solid, drawn, truth);
       for (size_t m = 0; m < completers.size(); ++m) {
-        benchmark.rows.push_back({options.methods[m], shape.set, shape.name, is_occluded, view,
-                                  MeasureCompletion(completed[m], truth, surface, drawn, diameter_m,
-                                                    static_cast<float>(options.level)),
-                                  seconds[m]});
+        const float level = options.level > 0 ? static_cast<float>(options.level)
+                                              : perception::LevelForIou(completed[m]);
+        benchmark.rows.push_back(
+            {options.methods[m], shape.set, shape.name, is_occluded, view,
+             MeasureCompletion(completed[m], truth, surface, drawn, diameter_m, level),
+             seconds[m]});
       }
       std::vector<CompletionTile>& tiles = benchmark.gallery[shape.set];
       const bool shows = tiles.size() < kGalleryTiles && view == (i % 2) * options.views;

@@ -24,10 +24,11 @@ struct CompletionBenchmarkOptions {
   std::vector<std::string> models{"completion"};
   std::string sensor = "structured_light";  // profile of the test views
   double min_diameter_px = 60;              // of the shapes in the images
-  double level = 0.5;                       // probability above which a cell is full
-  int shapes = 2;                           // of each shape family
-  int views = 2;                            // of each shape, clean, and as many occluded
-  int cells = 64;                           // along each axis of the cube
+  // Probability above which a cell is full; 0 = perception::LevelForIou() of each completion.
+  double level = 0;
+  int shapes = 2;  // of each shape family
+  int views = 2;   // of each shape, clean, and as many occluded
+  int cells = 64;  // along each axis of the cube
   uint64_t seed = 1;
 };
 

@@ -237,10 +237,13 @@ void AddCompletionBenchmark(const std::filesystem::path& folder,
   WriteFileAtomically(folder / kCompletionTimings, TimingsCsv(benchmark));
   page.Paragraph(fmt::format(
       "Completions of single views with sensor {}, on {}^3 cells. Shapes are at least {:.0f} px "
-      "wide, and cells with a probability above {:.2f} are full. Each shape has {} clean and as "
+      "wide, and cells with a probability above {} are full. Each shape has {} clean and as "
       "many occluded views, in which 20 to 50 % of the visible pixels are hidden. Means count each "
       "shape once; 95 % intervals are over shapes.",
-      options.sensor, options.cells, options.min_diameter_px, options.level, options.views));
+      options.sensor, options.cells, options.min_diameter_px,
+      options.level > 0 ? fmt::format("{:.2f}", options.level)
+                        : "the level with the largest expected IoU of each completion",
+      options.views));
   for (const std::string& set : benchmark.skipped_sets) {
     page.Note(fmt::format("Set {} is skipped: the data folder has no such meshes.", set));
   }

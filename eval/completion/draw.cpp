@@ -14,7 +14,7 @@ constexpr int kColumns = 3;  // of the sheet
 constexpr Rgb8 kPaper{255, 255, 255};
 constexpr Rgb8 kHidden{70, 70, 78};
 constexpr Rgb8 kOccluder{200, 120, 40};
-constexpr float kLevel = 0.5f;
+constexpr float kDrawnTruth = 0.5f;
 
 uint8_t Byte(float share) {
   return static_cast<uint8_t>(std::lround(255 * std::clamp(share, 0.0f, 1.0f)));
@@ -96,10 +96,11 @@ Image<Rgb8> DrawCompletions(const std::vector<CompletionTile>& tiles) {
   for (const CompletionTile& tile : tiles) {
     Canvas canvas(5 * kTile_px + 8, kTile_px, kPaper);
     canvas.Paste(DrawSegment(tile.view, kTile_px), 0, 0);
-    canvas.Paste(DrawVolume(tile.completed, kLevel, false, kTile_px), kTile_px + 2, 0);
-    canvas.Paste(DrawVolume(tile.completed, kLevel, true, kTile_px), 2 * kTile_px + 4, 0);
-    canvas.Paste(DrawVolume(tile.truth, kLevel, false, kTile_px), 3 * kTile_px + 6, 0);
-    canvas.Paste(DrawVolume(tile.truth, kLevel, true, kTile_px), 4 * kTile_px + 8, 0);
+    const float level = perception::LevelForIou(tile.completed);
+    canvas.Paste(DrawVolume(tile.completed, level, false, kTile_px), kTile_px + 2, 0);
+    canvas.Paste(DrawVolume(tile.completed, level, true, kTile_px), 2 * kTile_px + 4, 0);
+    canvas.Paste(DrawVolume(tile.truth, kDrawnTruth, false, kTile_px), 3 * kTile_px + 6, 0);
+    canvas.Paste(DrawVolume(tile.truth, kDrawnTruth, true, kTile_px), 4 * kTile_px + 8, 0);
     rows.push_back(canvas.Take());
     captions.push_back(tile.caption);
   }

@@ -85,6 +85,16 @@ void DropNotFinite(std::vector<Grasp>& grasps) {
   CountNotFinite(FiniteBoundary::kGrasps, static_cast<int>(dropped));
 }
 
+// Calls the planner and leaves out grasps that are not finite or too weak.
+PlanResult UsableGrasps(const TrialSetup& setup, const PlannerInput& input) {
+  PlanResult plan = setup.planner->Plan(input);
+  DropNotFinite(plan.grasps);
+  const auto weak = std::erase_if(
+      plan.grasps, [&](const Grasp& grasp) { return grasp.score < setup.spec.planner.min_score; });
+  if (weak > 0) plan.rejected["score too low"] += static_cast<int>(weak);
+  return plan;
+}
+
 // Returns the planned grasps, best first, without repetitions of failures.
 std::vector<Grasp> PlanOnImage(const TrialSetup& setup, const TrueScene& truth,
                                const Observation& view, const PlannedPoses& on,
@@ -95,8 +105,7 @@ std::vector<Grasp> PlanOnImage(const TrialSetup& setup, const TrueScene& truth,
   if (!failed.empty() || !earlier.empty()) max_grasps = setup.options.retry_grasps;
   const TruthOfImage given(setup.shapes.get(), {truth.scene, truth.objects, view.ids});
   PlanResult plan =
-      setup.planner->Plan(InputOf(setup, view, on.poses, on.graspable, max_grasps, rng_seed));
-  DropNotFinite(plan.grasps);
+      UsableGrasps(setup, InputOf(setup, view, on.poses, on.graspable, max_grasps, rng_seed));
   record.grasps_rejected = std::move(plan.rejected);
   record.planner_failure = std::move(plan.failure);
   std::vector<Grasp> fresh = failed.WithoutRepetitions(plan.grasps, on.poses, setup.options);
@@ -244,7 +253,7 @@ ExecuteResult TryGrasp(const TrialSetup& setup, const TrueScene& truth, const Gr
 
 PlanResult PlanInImage(const TrialSetup& setup, const Observation& view,
                        std::span<const EstimatedPose> poses, int max_grasps, uint64_t rng_seed) {
-  return setup.planner->Plan(InputOf(setup, view, poses, {}, max_grasps, rng_seed));
+  return UsableGrasps(setup, InputOf(setup, view, poses, {}, max_grasps, rng_seed));
 }
 
 int CountReachable(const TrialSetup& setup, const Observation& view,

@@ -82,7 +82,8 @@ int CountReachable(const TrialSetup& setup, const Observation& view,
                    std::span<const PoseHypothesis> poses, int wanted);
 
 // Returns the planned grasps on the poses or, with a planner without poses, in the image; best
-// first. `rng_seed` is the planner's seed.
+// first. Grasps under planner.min_score and grasps that are not finite are left out. `rng_seed` is
+// the planner's seed.
 PlanResult PlanInImage(const TrialSetup& setup, const Observation& view,
                        std::span<const EstimatedPose> poses, int max_grasps, uint64_t rng_seed);
 

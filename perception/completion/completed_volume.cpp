@@ -1,6 +1,7 @@
 #include "perception/completion/completed_volume.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace pickbed::perception {
@@ -44,6 +45,31 @@ Eigen::Vector3f CompletedVolume::Gradient(const Eigen::Vector3f& p_C) const {
     gradient[axis] = (At(p_C + step) - At(p_C - step)) / cell_m;
   }
   return gradient;
+}
+
+float LevelForIou(const CompletedVolume& volume) {
+  // Cells by probability, and the sum of their probabilities.
+  constexpr int kSteps = 200;
+  std::array<double, kSteps> cells{}, sums{};
+  double total = 0;
+  for (const float p : volume.occupancy) {
+    if (!(p > 0)) continue;
+    const int step = std::min(kSteps - 1, static_cast<int>(p * kSteps));
+    cells[step] += 1;
+    sums[step] += p;
+    total += p;
+  }
+  double best = 0, full = 0, both = 0;
+  int best_step = kSteps / 2;
+  for (int step = kSteps - 1; step > 0; --step) {
+    full += cells[step];
+    both += sums[step];
+    const double expected = total > 0 ? both / (full + total - both) : 0;
+    if (expected <= best) continue;
+    best = expected;
+    best_step = step;
+  }
+  return static_cast<float>(best_step) / kSteps;
 }
 
 CompletedVolume Smoothed(const CompletedVolume& volume, float sigma_cells) {

@@ -34,6 +34,14 @@ struct CompletedVolume {
   Eigen::Vector3f Gradient(const Eigen::Vector3f& p_C) const;
 };
 
+// Returns the probability above which cells should count as full, so that the expected IoU with the
+// true volume is largest. The expectation is approximated by the expected volume in both over the
+// expected volume in either. Cells of a certain shape are full above about 0.5, and cells of a
+// doubtful one above less: the best limit is half the F1 score that it reaches (Lipton et al.,
+// "Optimal thresholding of classifiers to maximize F1 measure", ECML 2014), and the same limit
+// maximizes the IoU. The occupancy must be calibrated. Without any probable cell it is 0.5.
+float LevelForIou(const CompletedVolume& volume);
+
 // Returns the volume smoothed by a normal distribution with this standard deviation, in cells.
 CompletedVolume Smoothed(const CompletedVolume& volume, float sigma_cells);
 

@@ -14,7 +14,8 @@ namespace {
 
 // The blocks are settings, weights and statistics.
 constexpr std::string_view kMagic = "PICKCOMP";
-constexpr uint64_t kVersion = 1;
+constexpr uint64_t kVersion = 2;
+constexpr uint64_t kOldestVersion = 2;  // older networks had no image
 constexpr const char* kExtension = ".net";
 
 // The 16-bit float nearest to a value, ties to even (IEEE 754 binary16).
@@ -25,7 +26,7 @@ float FromHalf(uint16_t bits) {
 }
 
 CompletionModel Parse(std::string_view bytes, const std::string& name, const std::string& device) {
-  BlockReader reader(bytes, kMagic, kVersion, "a completion model");
+  BlockReader reader(bytes, kMagic, kVersion, "a completion model", kOldestVersion);
   CompletionModelInfo info;
   const std::string text(reader.Take());
   ReadSettingsText(text, name, [&](SettingsVisitor& v) { info.Visit(v); });

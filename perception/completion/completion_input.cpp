@@ -29,8 +29,29 @@ std::pair<float, float> RobustRange(std::vector<float>& values) {
   return {lowest, *high};
 }
 
+// Depths in the image are cut to this, in half sides from the cube's center.
+constexpr float kCutDepth = 2;
+
 int8_t Quantized(float value) {
   return static_cast<int8_t>(std::lround(127 * std::clamp(value, -1.0f, 1.0f)));
+}
+
+// Turns slices of size x size values.
+template <typename Value>
+void TurnSlices(std::span<const Value> values, int size, int turn, Value* next) {
+  const bool flip_x = (turn & 1) != 0, flip_y = (turn & 2) != 0, swaps = (turn & 4) != 0;
+  const size_t area = static_cast<size_t>(size) * size;
+  for (size_t first = 0; first < values.size(); first += area) {
+    const Value* const from = values.data() + first;
+    for (int y = 0; y < size; ++y) {
+      for (int x = 0; x < size; ++x) {
+        int column = swaps ? y : x, row = swaps ? x : y;
+        if (flip_x) column = size - 1 - column;
+        if (flip_y) row = size - 1 - row;
+        *next++ = from[row * size + column];
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -185,6 +206,44 @@ std::vector<int8_t> CompletionInput::Channels() const {
   return channels;
 }
 
+std::vector<float> CompletionInput::ImageChannels() const {
+  std::vector<float> channels(kImageChannels * kImageArea, 0);
+  const Eigen::Vector3f center_C = cube_.origin_C + Eigen::Vector3f::Constant(0.5f * cube_.side_m);
+  const auto relative = [&](float z_m) {
+    return std::clamp((z_m - center_C.z()) / (0.5f * cube_.side_m), -kCutDepth, kCutDepth);
+  };
+  const float step_m = kSidePerImage * cube_.side_m / kImagePixels;
+  for (int y = 0, pixel = 0; y < kImagePixels; ++y) {
+    for (int x = 0; x < kImagePixels; ++x, ++pixel) {
+      const float half_grid = 0.5f * (kImagePixels - 1);
+      const Eigen::Vector3f p_C =
+          center_C + step_m * Eigen::Vector3f(static_cast<float>(x) - half_grid,
+                                              static_cast<float>(y) - half_grid, 0);
+      const auto set = [&](int channel, float value) {
+        channels[channel * kImageArea + pixel] = value;
+      };
+      float depth_m = 0;
+      const PixelClass shown = ClassAt(p_C, depth_m);
+      const bool on_segment = shown == PixelClass::kSegment;
+      const bool is_occluder = shown == PixelClass::kOccluder;
+      if (on_segment || is_occluder) set(0, relative(depth_m));
+      set(1, on_segment);
+      set(2, shown == PixelClass::kBackground || shown == PixelClass::kBesideOther);
+      set(3, is_occluder);
+      if (!floor_) continue;
+      const float slope = floor_->normal_C.dot(p_C) / p_C.z();
+      if (slope < 0) set(4, relative(floor_->offset_m / slope));
+    }
+  }
+  return channels;
+}
+
+Eigen::Vector2f CompletionInput::ImagePlace(const Eigen::Vector3f& p_C) const {
+  const Eigen::Vector3f center_C = cube_.origin_C + Eigen::Vector3f::Constant(0.5f * cube_.side_m);
+  const Eigen::Vector2f at_center = p_C.head<2>() * (center_C.z() / p_C.z());
+  return (at_center - center_C.head<2>()) / (0.5f * kSidePerImage * cube_.side_m);
+}
+
 std::array<float, kPointFacts> CompletionInput::Facts(const Eigen::Vector3f& p_C) const {
   std::array<float, kPointFacts> facts{};
   float depth_m = 0;
@@ -221,30 +280,20 @@ bool CompletionInput::IsKnownEmpty(const Eigen::Vector3f& p_C) const {
   }
 }
 
-std::vector<int8_t> TurnedChannels(const std::vector<int8_t>& channels, int turn) {
-  constexpr int n = kInputCells;
-  const bool flip_x = (turn & 1) != 0, flip_y = (turn & 2) != 0, swaps = (turn & 4) != 0;
-  std::vector<int8_t> turned(channels.size());
-  int8_t* next = turned.data();
-  const int slices = static_cast<int>(channels.size()) / (n * n);  // of channel and z
-  for (int slice = 0; slice < slices; ++slice) {
-    const int8_t* from = channels.data() + static_cast<size_t>(slice) * n * n;
-    for (int y = 0; y < n; ++y) {
-      for (int x = 0; x < n; ++x) {
-        int column = swaps ? y : x, row = swaps ? x : y;
-        if (flip_x) column = n - 1 - column;
-        if (flip_y) row = n - 1 - row;
-        *next++ = from[row * n + column];
-      }
-    }
-  }
-  return turned;
+void TurnChannels(std::span<const int8_t> channels, int turn, int8_t* turned) {
+  TurnSlices(channels, kInputCells, turn, turned);
 }
 
-void TurnPlace(int turn, float* place) {
-  if (turn & 1) place[0] = -place[0];
-  if (turn & 2) place[1] = -place[1];
-  if (turn & 4) std::swap(place[0], place[1]);
+void TurnImage(std::span<const float> channels, int turn, float* turned) {
+  TurnSlices(channels, kImagePixels, turn, turned);
+}
+
+void TurnPlaces(int turn, float* query) {
+  for (float* place : {query, query + kImagePlace}) {
+    if (turn & 1) place[0] = -place[0];
+    if (turn & 2) place[1] = -place[1];
+    if (turn & 4) std::swap(place[0], place[1]);
+  }
 }
 
 }  // namespace pickbed::perception

@@ -1,7 +1,7 @@
 #pragma once
 
-// Input of the completion network: a cube around the segment with a grid of channels, and facts
-// about single points of the cube.
+// Input of the completion network: a cube around the segment with a grid of channels, an image of
+// the same region, and facts about single points of the cube.
 //
 // The cube has the axes of the camera. Its side is kSidePerExtent times the largest extent of the
 // seen points. It is centered on them across, and begins a little before the nearest of them:
@@ -15,6 +15,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "perception/completion/segment_view.h"
@@ -23,6 +24,9 @@
 namespace pickbed::perception {
 
 inline constexpr float kSidePerExtent = 1.35f;
+// The image covers this many sides at the depth of the cube's center. With 1 it would lack points
+// in the near half of the cube.
+inline constexpr float kSidePerImage = 1.15f;
 
 // A cube with the axes of the camera.
 struct CompletionCube {
@@ -55,6 +59,18 @@ class CompletionInput {
   //   3 no data: 1 = behind an occluder, 0.5 = no reading
   std::vector<int8_t> Channels() const;
 
+  // Returns kImageChannels x kImagePixels^2 values, x fastest, for the rays through a square grid
+  // at the depth of the cube's center. Rays that pass the cube may show nothing.
+  //   0 depth of the part or the occluder: -1 at the near side of the cube, 1 at the far side, cut
+  //     to -2 .. 2; 0 for other pixels
+  //   1-3 the pixel shows the part, the background, an occluder
+  //   4 depth of the floor as in 0, if it is known
+  std::vector<float> ImageChannels() const;
+
+  // Returns the position of a point in C in the image: -1 .. 1 within it, from left to right and
+  // from top to bottom.
+  Eigen::Vector2f ImagePlace(const Eigen::Vector3f& p_C) const;
+
   // Returns facts about a point in C:
   //   0-2 distance to the seen surface along z in units of 1/48, 1/12 and 1 of the side, cut to
   //       -1 .. 1; positive before it; 0 where the pixel does not show the part
@@ -85,9 +101,11 @@ class CompletionInput {
 // reflects y, then bit 2 swaps x and y. A turned view is a valid view too, of a turned part from a
 // turned camera.
 inline constexpr int kCubeTurns = 8;
-// Returns the channels of a turned cube.
-std::vector<int8_t> TurnedChannels(const std::vector<int8_t>& channels, int turn);
-// Turns a position in the cube, whose coordinates are -1 .. 1. `place` has three values.
-void TurnPlace(int turn, float* place);
+// Writes the channels of a turned cube to `turned`, which has the same number of values.
+void TurnChannels(std::span<const int8_t> channels, int turn, int8_t* turned);
+// Same for the channels of an image.
+void TurnImage(std::span<const float> channels, int turn, float* turned);
+// Turns the positions of a query (kQueryValues) in the cube and in the image.
+void TurnPlaces(int turn, float* query);
 
 }  // namespace pickbed::perception

@@ -1,5 +1,6 @@
 #include "perception/completion/completion_network.h"
 
+#include <ATen/Context.h>
 #include <torch/cuda.h>
 #include <torch/optim/adam.h>
 #include <torch/types.h>
@@ -36,6 +37,12 @@ at::Tensor FloatTensor(const float* values, at::IntArrayRef shape, const torch::
       .to(device, false, /*copy=*/true);
 }
 
+CompletionViews ViewTensors(const std::vector<int8_t>& channels, const std::vector<float>& images,
+                            int64_t count, const torch::Device& device) {
+  return {ChannelTensor(channels, count, device),
+          FloatTensor(images.data(), {count, kImageChannels, kImagePixels, kImagePixels}, device)};
+}
+
 const CompletionNetRow& RowOf(const CompletionNetworkOptions& options) {
   for (const CompletionNetRow& row : CompletionNetTable()) {
     if (row.name == options.kind) return row;
@@ -49,15 +56,19 @@ torch::Device DeviceNamed(const std::string& name) {
   if (name == "cpu") return torch::kCPU;
   CheckInput(torch::cuda::is_available(),
              "device cuda: this libtorch has none or finds no device; use cpu");
+  // Products with 10 bits of mantissa are enough for training and take a fraction of the time.
+  at::globalContext().setAllowTF32CuBLAS(true);
+  at::globalContext().setAllowTF32CuDNN(true);
+  at::globalContext().setBenchmarkCuDNN(true);
   return torch::kCUDA;
 }
 
 // The first four are the view itself, half a turn about z, and two quarter turns.
 constexpr int kOrder[kCubeTurns] = {0, 3, 5, 6, 1, 2, 4, 7};
 
-// Mean probabilities of the points over the turned copies of a view. `features` has one row for
-// each copy.
-std::vector<float> Decoded(CompletionNet& net, const at::Tensor& features,
+// Mean probabilities of the points over the turned copies of a view. `code` has one row for each
+// copy.
+std::vector<float> Decoded(CompletionNet& net, const CompletionCode& code,
                            const NetworkQuery& query, int turns, const torch::Device& device) {
   std::vector<float> probabilities, queries;
   probabilities.reserve(query.points_C.size());
@@ -71,11 +82,11 @@ std::vector<float> Decoded(CompletionNet& net, const at::Tensor& features,
     for (int i = 1; i < turns; ++i) {
       float* copy = queries.data() + i * size;
       std::copy_n(queries.data(), size, copy);
-      for (size_t k = 0; k < size; k += kQueryValues) TurnPlace(kOrder[i], copy + k);
+      for (size_t k = 0; k < size; k += kQueryValues) TurnPlaces(kOrder[i], copy + k);
     }
     const at::Tensor tensor = FloatTensor(
         queries.data(), {turns, static_cast<int64_t>(some.size()), kQueryValues}, device);
-    const at::Tensor values = ApplyLogistic(net.Decode(features, tensor)).cpu().contiguous();
+    const at::Tensor values = ApplyLogistic(net.Decode(code, tensor)).cpu().contiguous();
     const float* const by_turn = values.data_ptr<float>();
     for (size_t i = 0; i < some.size(); ++i) {
       float sum = 0;
@@ -143,12 +154,13 @@ double CompletionNetwork::TrainStep(const CompletionBatch& batch, double learnin
   SetLearningRate(impl_->adam, learning_rate);
   impl_->adam.zero_grad();
   net.train();
-  const at::Tensor channels = ChannelTensor(batch.channels, batch.count, impl_->device);
+  const CompletionViews views =
+      ViewTensors(batch.channels, batch.images, batch.count, impl_->device);
   const at::Tensor queries =
       FloatTensor(batch.queries.data(), {batch.count, batch.points, kQueryValues}, impl_->device);
   const at::Tensor inside =
       FloatTensor(batch.inside.data(), {batch.count, batch.points}, impl_->device);
-  CompletionTensors step{channels, queries, inside, {}, 0};
+  CompletionTensors step{views, queries, inside, {}, 0};
   if (RowOf(impl_->options).needs_volumes) {
     step.volumes = ChannelTensor(batch.volumes, batch.count, impl_->device);
     // Random numbers follow from the data, so that a resumed training draws the same ones.
@@ -164,10 +176,11 @@ double CompletionNetwork::TrainStep(const CompletionBatch& batch, double learnin
 std::vector<float> CompletionNetwork::Probabilities(const CompletionBatch& batch) const {
   const torch::NoGradGuard no_gradients;
   CompletionNet& net = *impl_->net;
-  const at::Tensor features = net.Encode(ChannelTensor(batch.channels, batch.count, impl_->device));
+  const CompletionCode code =
+      net.Encode(ViewTensors(batch.channels, batch.images, batch.count, impl_->device));
   const at::Tensor queries =
       FloatTensor(batch.queries.data(), {batch.count, batch.points, kQueryValues}, impl_->device);
-  const at::Tensor values = ApplyLogistic(net.Decode(features, queries)).cpu().contiguous();
+  const at::Tensor values = ApplyLogistic(net.Decode(code, queries)).cpu().contiguous();
   return {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()};
 }
 
@@ -185,20 +198,26 @@ std::vector<std::vector<float>> CompletionNetwork::Probabilities(
   std::vector<std::vector<float>> probabilities;
   for (size_t first = 0; first < queries.size(); first += kViews) {
     const auto some = queries.subspan(first, std::min<size_t>(kViews, queries.size() - first));
-    std::vector<int8_t> channels;
+    const int64_t count = turns * static_cast<int64_t>(some.size());
+    std::vector<int8_t> channels(count * kInputChannels * kInputVolume);
+    std::vector<float> images(count * kImageChannels * kImageArea);
+    int8_t* next_channels = channels.data();
+    float* next_image = images.data();
     for (const NetworkQuery& query : some) {
       const std::vector<int8_t> own = query.input->Channels();
+      const std::vector<float> own_image = query.input->ImageChannels();
       for (int i = 0; i < turns; ++i) {
-        const std::vector<int8_t> turned = TurnedChannels(own, kOrder[i]);
-        channels.insert(channels.end(), turned.begin(), turned.end());
+        TurnChannels(own, kOrder[i], next_channels);
+        TurnImage(own_image, kOrder[i], next_image);
+        next_channels += own.size();
+        next_image += own_image.size();
       }
     }
-    const int64_t count = turns * static_cast<int64_t>(some.size());
-    const at::Tensor features = net.Encode(ChannelTensor(channels, count, impl_->device));
+    const CompletionCode code = net.Encode(ViewTensors(channels, images, count, impl_->device));
     for (size_t i = 0; i < some.size(); ++i) {
       const int64_t row = turns * static_cast<int64_t>(i);
       probabilities.push_back(
-          Decoded(net, features.slice(0, row, row + turns), some[i], turns, impl_->device));
+          Decoded(net, code.Rows(row, row + turns), some[i], turns, impl_->device));
     }
   }
   return probabilities;
@@ -241,6 +260,8 @@ void AppendQuery(const CompletionInput& input, const Eigen::Vector3f& p_C,
   const CompletionCube& cube = input.cube();
   const Eigen::Vector3f place = (p_C - cube.origin_C) * (2 / cube.side_m) - Eigen::Vector3f::Ones();
   queries.insert(queries.end(), place.data(), place.data() + 3);
+  const Eigen::Vector2f image_place = input.ImagePlace(p_C);
+  queries.insert(queries.end(), image_place.data(), image_place.data() + 2);
   const auto facts = input.Facts(p_C);
   queries.insert(queries.end(), facts.begin(), facts.end());
 }

@@ -2,12 +2,14 @@
 
 // The completion network, without libtorch types. There are two kinds (completion_net.h).
 //
-// implicit: a 3D U-Net over the channels of CompletionInput, and a perceptron that decodes the
-// probability of single points (implicit decoder, as in Peng et al., "Convolutional Occupancy
-// Networks", ECCV 2020).
+// implicit: a 3D U-Net over the channels of CompletionInput and a 2D U-Net over its image, and a
+// perceptron that decodes the probability of single points (implicit decoder, as in Peng et al.,
+// "Convolutional Occupancy Networks", ECCV 2020). The image has the details of thin walls, which
+// the volume lacks (features at the pixel of a point, as in Saito et al., "PIFu", ICCV 2019).
 //
 //   channels 4 x 32^3 -> space to depth 32 x 16^3 -> 16^3, 8^3, 4^3 (+ bottleneck) -> 8^3 -> 16^3
-//   feature at the point (trilinear), position, facts -> two hidden layers -> probability
+//   image 5 x 64^2 -> 64^2, 32^2, 16^2, 8^2 -> 16^2 -> 32^2 -> 64^2
+//   features at the point and at its pixel, positions, facts -> two hidden layers -> probability
 //
 // vae: a variational auto-encoder of 32^3 volumes of whole shapes (Kingma and Welling,
 // "Auto-Encoding Variational Bayes", ICLR 2014). A completion starts from the observed cells. It
@@ -31,6 +33,7 @@ struct CompletionBatch {
   int count = 0;                 // views
   int points = 0;                // queries for each view
   std::vector<int8_t> channels;  // count x CompletionInput::Channels()
+  std::vector<float> images;     // count x CompletionInput::ImageChannels()
   std::vector<float> queries;    // count x points x kQueryValues
   std::vector<float> inside;     // count x points, 1 = the point is inside the part
   // count x kInputCells^3, 127 = the center of the cell is inside; empty if not needed

@@ -66,8 +66,9 @@ CompletionQuality QualityOn(const HeldOutViews& views, const CompletionNetwork& 
   int counts[2] = {0, 0};
   for (size_t first = 0; first < views.size(); first += kEvaluated) {
     const size_t last = std::min(views.size(), first + kEvaluated);
-    CompletionBatch batch;
-    for (size_t i = first; i < last; ++i) AppendTurned(views[i].sample, 0, batch);
+    std::vector<TurnedSample> samples;
+    for (size_t i = first; i < last; ++i) samples.push_back({&views[i].sample, 0});
+    const CompletionBatch batch = BatchOf(samples);
     const std::vector<float> probabilities = network.Probabilities(batch);
     for (int view = 0; view < batch.count; ++view) {
       int both = 0, either = 0;
@@ -237,8 +238,9 @@ void CompletionTrainer::Step(int step, double share, SampleStream& stream) {
     choices.push_back({first + rng.Index(options_.window), rng.Index(options_.views_per_shape),
                        rng.Index(kCubeTurns)});
   }
-  CompletionBatch batch;
-  for (const Choice& c : choices) AppendTurned(stream.At(c.group)[c.view], c.turn, batch);
+  std::vector<TurnedSample> samples;
+  for (const Choice& c : choices) samples.push_back({&stream.At(c.group)[c.view], c.turn});
+  const CompletionBatch batch = BatchOf(samples, options_.threads);
   const double rise = std::min(1.0, (step + 1.0) / std::max(options_.warm_up, 1));
   const double fall = 0.5 * (1 + std::cos(std::numbers::pi * std::min(share, 1.0)));
   const double loss = network_.TrainStep(batch, options_.learning_rate * rise * fall);

@@ -59,15 +59,14 @@ NearestShape::NearestShape(const std::vector<const ShapeFamilyRow*>& families, i
 
 CompletedVolume NearestShape::Complete(const SegmentView& view) {
   const CompletionInput input(view);
-  CompletionSample sample;
-  sample.channels = input.Channels();
+  const std::vector<int8_t> channels = input.Channels();
+  std::vector<int8_t> turned(channels.size());
   const Entry* nearest = nullptr;
   int nearest_turn = 0;
   int64_t smallest = INT64_MAX;
   for (int turn = 0; turn < kCubeTurns; ++turn) {
-    CompletionBatch turned;
-    AppendTurned(sample, turn, turned);
-    const std::vector<int8_t> coarse = Coarse(turned.channels);
+    TurnChannels(channels, turn, turned.data());
+    const std::vector<int8_t> coarse = Coarse(turned);
     for (const Entry& entry : entries_) {
       const int64_t difference = Difference(coarse, entry.coarse);
       if (difference >= smallest) continue;

@@ -19,7 +19,7 @@ struct CompletionOptions {
   // Model file of methods network and vae, or name of a file in assets/models.
   std::string model = "completion";
   int cells = 64;          // along each axis of the cube
-  int turns = 3;           // turned copies of the view that method network averages
+  int turns = 2;           // turned copies of the view that method network averages
   double skirt_m = 0.015;  // depth of the skirt behind the seen surface
   void Visit(SettingsVisitor& v);
 };

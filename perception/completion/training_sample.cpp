@@ -1,7 +1,10 @@
 #include "perception/completion/training_sample.h"
 
+#include <algorithm>
+
 #include "perception/completion/traced_solid.h"
 #include "scenes/base/error.h"
+#include "scenes/base/parallel.h"
 
 namespace pickbed::perception {
 namespace {
@@ -37,6 +40,7 @@ CompletionSample MakeSample(const ViewedSolid& solid, const RandomView& drawn, i
   const CompletionCube& cube = input.cube();
   CompletionSample sample;
   sample.channels = input.Channels();
+  sample.image = input.ImageChannels();
   sample.queries.reserve(static_cast<size_t>(points) * kQueryValues);
   const Eigen::Isometry3f X_OC = drawn.X_CO.inverse().cast<float>();
   std::vector<Eigen::Vector3f> points_O;
@@ -54,21 +58,33 @@ CompletionSample MakeSample(const ViewedSolid& solid, const RandomView& drawn, i
   return sample;
 }
 
-void AppendTurned(const CompletionSample& sample, int turn, CompletionBatch& batch) {
-  const std::vector<int8_t> channels = TurnedChannels(sample.channels, turn);
-  batch.channels.insert(batch.channels.end(), channels.begin(), channels.end());
-  const size_t first = batch.queries.size();
-  batch.queries.insert(batch.queries.end(), sample.queries.begin(), sample.queries.end());
-  for (size_t i = first; i < batch.queries.size(); i += kQueryValues) {
-    TurnPlace(turn, batch.queries.data() + i);
-  }
-  batch.inside.insert(batch.inside.end(), sample.inside.begin(), sample.inside.end());
-  if (!sample.volume.empty()) {
-    const std::vector<int8_t> volume = TurnedChannels(sample.volume, turn);
-    batch.volumes.insert(batch.volumes.end(), volume.begin(), volume.end());
-  }
-  batch.points = static_cast<int>(sample.inside.size());
-  ++batch.count;
+CompletionBatch BatchOf(std::span<const TurnedSample> samples, int threads) {
+  CompletionBatch batch;
+  batch.count = static_cast<int>(samples.size());
+  if (samples.empty()) return batch;
+  const CompletionSample& first = *samples.front().sample;
+  batch.points = static_cast<int>(first.inside.size());
+  batch.channels.resize(samples.size() * first.channels.size());
+  batch.images.resize(samples.size() * first.image.size());
+  batch.queries.resize(samples.size() * first.queries.size());
+  batch.inside.resize(samples.size() * first.inside.size());
+  batch.volumes.resize(samples.size() * first.volume.size());
+  ForRanges(batch.count, threads, [&](int begin, int end) {
+    for (size_t i = begin; i < static_cast<size_t>(end); ++i) {
+      const auto& [sample, turn] = samples[i];
+      TurnChannels(sample->channels, turn, batch.channels.data() + i * first.channels.size());
+      TurnImage(sample->image, turn, batch.images.data() + i * first.image.size());
+      float* const queries = batch.queries.data() + i * first.queries.size();
+      std::copy(sample->queries.begin(), sample->queries.end(), queries);
+      for (size_t k = 0; k < sample->queries.size(); k += kQueryValues) {
+        TurnPlaces(turn, queries + k);
+      }
+      std::copy(sample->inside.begin(), sample->inside.end(),
+                batch.inside.data() + i * first.inside.size());
+      TurnChannels(sample->volume, turn, batch.volumes.data() + i * first.volume.size());
+    }
+  });
+  return batch;
 }
 
 std::unique_ptr<ViewedSolid> SolidOf(SolidShape shape) {

@@ -4,6 +4,7 @@
 // and random points with the truth.
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ namespace pickbed::perception {
 // Network input of a view, queries and truth.
 struct CompletionSample {
   std::vector<int8_t> channels;  // CompletionInput::Channels()
+  std::vector<float> image;      // CompletionInput::ImageChannels()
   std::vector<float> queries;    // points x kQueryValues
   std::vector<uint8_t> inside;   // points, 1 = inside the solid
   std::vector<int8_t> volume;    // kInputCells^3, 127 = inside; empty if not wanted
@@ -25,8 +27,14 @@ struct CompletionSample {
 CompletionSample MakeSample(const ViewedSolid& solid, const RandomView& drawn, int points, Rng& rng,
                             bool with_volume = false);
 
-// Appends a sample to a batch, turned (see completion_input.h).
-void AppendTurned(const CompletionSample& sample, int turn, CompletionBatch& batch);
+// A sample and the turn (see completion_input.h) with which it is used.
+struct TurnedSample {
+  const CompletionSample* sample;
+  int turn;
+};
+
+// Returns a batch of samples that have equal numbers of points, computed by `threads` threads.
+CompletionBatch BatchOf(std::span<const TurnedSample> samples, int threads = 1);
 
 // Returns a solid that is sphere traced from a sampled shape.
 std::unique_ptr<ViewedSolid> SolidOf(SolidShape shape);

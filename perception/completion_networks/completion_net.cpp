@@ -6,16 +6,19 @@
 
 namespace pickbed::perception {
 
-at::Tensor SampledCode(const at::Tensor& code, const at::Tensor& queries) {
+CompletionCode CompletionCode::Rows(int64_t first, int64_t last) const {
+  return {volume.slice(0, first, last), image.defined() ? image.slice(0, first, last) : image};
+}
+
+at::Tensor SampledCode(const at::Tensor& volume, const at::Tensor& places) {
   namespace F = torch::nn::functional;
-  const int64_t n = queries.size(0), points = queries.size(1);
-  const at::Tensor places = queries.slice(2, 0, 3).view({n, points, 1, 1, 3});
-  return F::grid_sample(code, places,
+  const int64_t n = places.size(0), points = places.size(1);
+  return F::grid_sample(volume, places.reshape({n, points, 1, 1, 3}),
                         F::GridSampleFuncOptions()
                             .mode(torch::kBilinear)
                             .padding_mode(torch::kBorder)
                             .align_corners(false))
-      .view({n, code.size(1), points})
+      .view({n, volume.size(1), points})
       .transpose(1, 2);
 }
 

@@ -14,27 +14,41 @@
 
 namespace pickbed::perception {
 
+// Input of n views.
+struct CompletionViews {
+  at::Tensor channels;  // n x kInputChannels x 32^3
+  at::Tensor images;    // n x kImageChannels x 64^2
+};
+
+// Codes of n views.
+struct CompletionCode {
+  at::Tensor volume;  // n x features x cells^3
+  at::Tensor image;   // n x features x 1 x 64^2; undefined for kinds without image
+  // Returns the codes of the views from `first` to before `last`.
+  CompletionCode Rows(int64_t first, int64_t last) const;
+};
+
 // Tensors of a training step.
 struct CompletionTensors {
-  at::Tensor channels;  // n x kInputChannels x 32^3
-  at::Tensor queries;   // n x points x kQueryValues
-  at::Tensor inside;    // n x points, 1 = inside
-  at::Tensor volumes;   // n x 1 x 32^3, 1 = inside; undefined for kinds that need none
-  uint64_t seed = 0;    // for random numbers of the loss
+  CompletionViews views;
+  at::Tensor queries;  // n x points x kQueryValues
+  at::Tensor inside;   // n x points, 1 = inside
+  at::Tensor volumes;  // n x 1 x 32^3, 1 = inside; undefined for kinds that need none
+  uint64_t seed = 0;   // for random numbers of the loss
 };
 
 struct CompletionNet : torch::nn::Module {
-  // Returns the code of each view: n x features x cells^3. `channels` is n x kInputChannels x 32^3.
-  // The code of a view does not depend on the other views.
-  virtual at::Tensor Encode(const at::Tensor& channels) = 0;
+  // Returns the code of each view. It does not depend on the other views.
+  virtual CompletionCode Encode(const CompletionViews& views) = 0;
   // Returns the logit of each query, n x points. `queries` is n x points x kQueryValues.
-  virtual at::Tensor Decode(const at::Tensor& code, const at::Tensor& queries) = 0;
+  virtual at::Tensor Decode(const CompletionCode& code, const at::Tensor& queries) = 0;
   // Returns the loss of a training step.
   virtual at::Tensor Loss(const CompletionTensors& step) = 0;
 };
 
-// Returns the values of a code at the places of queries, trilinear: n x points x features.
-at::Tensor SampledCode(const at::Tensor& code, const at::Tensor& queries);
+// Returns the values of a volume (n x features x z x y x x) at places (n x points x 3, from -1 to 1
+// along x, y and z), trilinear: n x points x features.
+at::Tensor SampledCode(const at::Tensor& volume, const at::Tensor& places);
 
 struct CompletionNetRow {
   const char* name;

@@ -1,6 +1,7 @@
 #include <torch/nn/modules/linear.h>
 
 #include "perception/completion_networks/completion_net.h"
+#include "perception/completion_networks/image_unet.h"
 #include "perception/completion_networks/volume_blocks.h"
 #include "perception/networks/fixed_layers.h"
 
@@ -27,15 +28,17 @@ struct ImplicitNet : CompletionNet {
     expand = register_module("expand", torch::nn::Linear(o.bottleneck, flat));
     up_8 = add("up_8", o.width_4 + o.width_8, o.width_8, 3, 1);
     up_16 = add("up_16", o.width_8 + o.width_16, o.width_16, 3, 1);
-    hidden_1 = register_module("hidden_1", torch::nn::Linear(o.width_16 + kQueryValues, o.hidden));
+    pixels = register_module("pixels", std::make_shared<ImageUnet>(kImageChannels, o.image_width));
+    const int64_t known = o.width_16 + o.image_width + kQueryValues;
+    hidden_1 = register_module("hidden_1", torch::nn::Linear(known, o.hidden));
     hidden_2 = register_module("hidden_2", torch::nn::Linear(o.hidden, o.hidden));
     last = register_module("last", torch::nn::Linear(o.hidden, 1));
   }
 
-  // The code has width_16 features in 16^3 cells.
-  at::Tensor Encode(const at::Tensor& channels) override {
-    const int64_t n = channels.size(0);
-    const at::Tensor x = channels.view({n, kInputChannels, kHalf, 2, kHalf, 2, kHalf, 2})
+  // The code has width_16 features in 16^3 cells, and image_width features in 64^2 pixels.
+  CompletionCode Encode(const CompletionViews& views) override {
+    const int64_t n = views.channels.size(0);
+    const at::Tensor x = views.channels.view({n, kInputChannels, kHalf, 2, kHalf, 2, kHalf, 2})
                              .permute({0, 1, 3, 5, 7, 2, 4, 6})
                              .reshape({n, kFirstChannels, kHalf, kHalf, kHalf});
     const at::Tensor x_16 = second->forward(first->forward(x));
@@ -44,11 +47,17 @@ struct ImplicitNet : CompletionNet {
     x_4 = x_4 +
           ApplyLinear(expand, torch::relu(ApplyLinear(squeeze, x_4.flatten(1)))).view(x_4.sizes());
     const at::Tensor y_8 = up_8->forward(torch::cat({DoubledSize(x_4), x_8}, 1));
-    return up_16->forward(torch::cat({DoubledSize(y_8), x_16}, 1));
+    return {up_16->forward(torch::cat({DoubledSize(y_8), x_16}, 1)),
+            pixels->forward(views.images).unsqueeze(2)};
   }
 
-  at::Tensor Decode(const at::Tensor& code, const at::Tensor& queries) override {
-    at::Tensor x = torch::cat({SampledCode(code, queries), queries}, 2);
+  at::Tensor Decode(const CompletionCode& code, const at::Tensor& queries) override {
+    const at::Tensor in_image = queries.slice(2, kImagePlace, kImagePlace + 2);
+    const at::Tensor on_plane =
+        torch::cat({in_image, torch::zeros_like(in_image.slice(2, 0, 1))}, 2);
+    at::Tensor x = torch::cat({SampledCode(code.volume, queries.slice(2, 0, 3)),
+                               SampledCode(code.image, on_plane), queries},
+                              2);
     x = torch::relu(ApplyLinear(hidden_1, x));
     x = torch::relu(ApplyLinear(hidden_2, x));
     return ApplyLinear(last, x).squeeze(2);
@@ -56,11 +65,12 @@ struct ImplicitNet : CompletionNet {
 
   // Mean cross-entropy of all queries.
   at::Tensor Loss(const CompletionTensors& step) override {
-    return torch::binary_cross_entropy_with_logits(Decode(Encode(step.channels), step.queries),
+    return torch::binary_cross_entropy_with_logits(Decode(Encode(step.views), step.queries),
                                                    step.inside);
   }
 
   std::shared_ptr<VolumeBlock> first, second, down_8, at_8, down_4, at_4, up_8, up_16;
+  std::shared_ptr<ImageUnet> pixels;
   torch::nn::Linear squeeze{nullptr}, expand{nullptr};
   torch::nn::Linear hidden_1{nullptr}, hidden_2{nullptr}, last{nullptr};
 };

@@ -16,6 +16,8 @@ void CompletionNetworkOptions::Visit(SettingsVisitor& v) {
   v.Integer("width_8", width_8, {4, 256}, "channels of the layers with 8^3 cells");
   v.Integer("width_4", width_4, {4, 256}, "channels of the layers with 4^3 cells");
   v.Integer("bottleneck", bottleneck, {4, 4096}, "values that describe the whole cube");
+  v.Integer("image_width", image_width, {4, 256},
+            "kind implicit: channels of the image layers with 64^2 pixels; coarser ones have more");
   v.Integer("hidden", hidden, {4, 1024}, "units of each hidden layer of the decoder");
   v.Integer("rounds", rounds, {1, 10000},
             "kind vae: rounds of reconstruction, sampling and clamping for a completion");

@@ -51,7 +51,7 @@ at::Tensor Flipped(at::Tensor x, int turn) {
   return x;
 }
 
-// Turns a volume (... x z x y x x) as TurnedChannels() does, and back.
+// Turns a volume (... x z x y x x) as TurnChannels() does, and back.
 at::Tensor Turned(const at::Tensor& x, int turn) {
   const at::Tensor flipped = Flipped(x, turn);
   return turn & 4 ? flipped.transpose(-1, -2) : flipped;
@@ -147,7 +147,8 @@ struct VolumeVae : CompletionNet {
 
   // Reconstructs, samples and clamps. The result is the mean of the second half of the rounds, as
   // logits: n x 1 x 32^3.
-  at::Tensor Encode(const at::Tensor& channels) override {
+  CompletionCode Encode(const CompletionViews& views) override {
+    const at::Tensor& channels = views.channels;
     const int64_t n = channels.size(0);
     std::vector<int> turns;
     std::vector<at::Tensor> aligned;
@@ -170,22 +171,23 @@ struct VolumeVae : CompletionNet {
     const at::Tensor logits = LogOdds(sum / added);
     std::vector<at::Tensor> volumes;
     for (int64_t i = 0; i < n; ++i) volumes.push_back(TurnedBack(logits[i], turns[i]));
-    return torch::stack(volumes).contiguous();
+    return {torch::stack(volumes).contiguous(), {}};
   }
 
-  at::Tensor Decode(const at::Tensor& volume, const at::Tensor& queries) override {
-    return SampledCode(volume, queries).squeeze(2);
+  at::Tensor Decode(const CompletionCode& view_code, const at::Tensor& queries) override {
+    return SampledCode(view_code.volume, queries.slice(2, 0, 3)).squeeze(2);
   }
 
   // Evidence lower bound over the number of cells. The input of half of the samples is the true
   // volume. In the others the cells that were not observed are a mixture of truth and unknown, as
   // in the rounds of a completion.
   at::Tensor Loss(const CompletionTensors& step) override {
-    const int64_t n = step.channels.size(0);
+    const int64_t n = step.volumes.size(0);
     std::vector<at::Tensor> channels, volumes;
     for (int64_t i = 0; i < n; ++i) {
-      const int turn = AligningTurn(step.channels[i][kSeenSurface]);
-      channels.push_back(Turned(step.channels[i], turn));
+      const at::Tensor own = step.views.channels[i];
+      const int turn = AligningTurn(own[kSeenSurface]);
+      channels.push_back(Turned(own, turn));
       volumes.push_back(Turned(step.volumes[i], turn));
     }
     const at::Tensor truth = torch::stack(volumes).contiguous();

@@ -179,6 +179,18 @@ at::Tensor HalvedImages(const at::Tensor& images) {
   return result;
 }
 
+// Applies a batch normalization to [count, channels, ...].
+template <typename Layer>
+at::Tensor Normalized(Layer& layer, const at::Tensor& values) {
+  if (layer->is_training() || ComputedByLibtorch(layer->weight, values)) return layer(values);
+  const at::Tensor deviation = torch::sqrt(layer->running_var + layer->options.eps());
+  const at::Tensor scale = layer->weight / deviation;
+  const at::Tensor shift = layer->bias - layer->running_mean * scale;
+  std::vector<int64_t> shape(values.dim() - 1, 1);
+  shape.front() = -1;
+  return (values * scale.view(shape)).add_(shift.view(shape));
+}
+
 }  // namespace
 
 at::Tensor ApplyConvolution(torch::nn::Conv2d& layer, const at::Tensor& images) {
@@ -207,12 +219,12 @@ at::Tensor HalvedByMaximum(const at::Tensor& images) {
   return HalvedImages(images);
 }
 
+at::Tensor ApplyNormalization(torch::nn::BatchNorm2d& layer, const at::Tensor& images) {
+  return Normalized(layer, images);
+}
+
 at::Tensor ApplyNormalization(torch::nn::BatchNorm3d& layer, const at::Tensor& volumes) {
-  if (layer->is_training() || ComputedByLibtorch(layer->weight, volumes)) return layer(volumes);
-  const at::Tensor deviation = torch::sqrt(layer->running_var + layer->options.eps());
-  const at::Tensor scale = layer->weight / deviation;
-  const at::Tensor shift = layer->bias - layer->running_mean * scale;
-  return (volumes * scale.view({-1, 1, 1, 1})).add_(shift.view({-1, 1, 1, 1}));
+  return Normalized(layer, volumes);
 }
 
 }  // namespace pickbed::perception

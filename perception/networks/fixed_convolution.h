@@ -20,6 +20,7 @@ at::Tensor ApplyConvolution(torch::nn::Conv3d& layer, const at::Tensor& volumes)
 at::Tensor HalvedByMaximum(const at::Tensor& images);
 
 // Applies a batch normalization.
+at::Tensor ApplyNormalization(torch::nn::BatchNorm2d& layer, const at::Tensor& images);
 at::Tensor ApplyNormalization(torch::nn::BatchNorm3d& layer, const at::Tensor& volumes);
 
 }  // namespace pickbed::perception

@@ -32,7 +32,7 @@ std::string BlockWriter::Bytes(std::string_view magic, uint64_t version) const {
 }
 
 BlockReader::BlockReader(std::string_view bytes, std::string_view magic, uint64_t version,
-                         const std::string& kind)
+                         const std::string& kind, uint64_t oldest)
     : rest_(bytes) {
   Head head{};
   CheckInput(bytes.size() >= sizeof head, "the file is cut short");
@@ -42,6 +42,8 @@ BlockReader::BlockReader(std::string_view bytes, std::string_view magic, uint64_
   CheckInput(head.version <= version,
              fmt::format("it is of version {}, newer than this program, which reads up to {}",
                          head.version, version));
+  CheckInput(head.version >= oldest,
+             fmt::format("it is of version {}, older than {}", head.version, oldest));
   CheckInput(head.hash == HashBytes(rest_.data(), rest_.size()),
              "the file is cut short or damaged: its check sum is wrong");
 }

@@ -34,9 +34,10 @@ class BlockWriter {
 // The bytes must outlive it.
 class BlockReader {
  public:
-  // Checks the head. `kind` is what the file should be, for the error: "a completion model".
+  // Checks the head. Versions from `oldest` to `version` are read. `kind` is what the file should
+  // be, for the error: "a completion model".
   BlockReader(std::string_view bytes, std::string_view magic, uint64_t version,
-              const std::string& kind);
+              const std::string& kind, uint64_t oldest = 0);
   // Reads blocks without a head.
   explicit BlockReader(std::string_view body) : rest_(body) {}
   std::string_view Take();

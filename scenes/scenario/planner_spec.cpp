@@ -10,6 +10,9 @@ void PlannerSpec::Visit(SettingsVisitor& v) {
   v.Real("max_tilt_deg", max_tilt_deg, {0, 80},
          "maximum angle of the approach from straight down, degrees; only for planners without "
          "poses");
+  v.Real("min_score", min_score, {0, 1},
+         "smallest score of a grasp that is executed; without such a grasp, the bin is stirred or "
+         "ends");
   v.Text(
       "segmentation", segmentation, {},
       "method that finds the objects in an image (see pickbed segment --help); only for planners "

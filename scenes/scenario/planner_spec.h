@@ -18,6 +18,7 @@ struct PlannerSpec {
   // For planners without poses, which know no object.
   double friction = 0.4;     // assumed coefficient between a pad and an unknown object
   double max_tilt_deg = 30;  // of the approach from straight down
+  double min_score = 0;      // weaker grasps are not executed
   // For planners on completed shapes: how objects are found and how their shapes are completed.
   std::string segmentation = "convexity";
   std::string completion = "network";

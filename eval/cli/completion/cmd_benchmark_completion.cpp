@@ -133,8 +133,10 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
                  "smallest diameter of a shape in the image, px")
       ->check(CLI::Range(20, 140))
       ->capture_default_str();
-  app.add_option("--level", options.level, "probability above which a cell is full")
-      ->check(CLI::Range(0.01, 0.99))
+  app.add_option("--level", options.level,
+                 "probability above which a cell is full; 0 = the one with the largest expected "
+                 "IoU for each completion")
+      ->check(CLI::Range(0.0, 0.99))
       ->capture_default_str();
   app.add_option("--shapes", options.shapes, "shapes of each family")
       ->check(CLI::Range(1, 1000))

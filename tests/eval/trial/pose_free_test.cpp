@@ -72,6 +72,20 @@ TEST(PoseFreeTrial, NoGraspIsNotAttributedToPoses) {
   EXPECT_EQ(BudgetOfInstances({&result, 1})[FailureReason::kNoGrasp], 1);
 }
 
+// The executed grasps of a run without a limit say which scores there are.
+TEST(PoseFreeTrial, NoGraspUnderTheSmallestScoreIsExecuted) {
+  ScenarioSpec spec = PoseFreeScenario(4);
+  const TrialResult all = RunPoseFree(spec, EasyCube());
+  double best = 0;
+  for (const AttemptRecord& attempt : all.attempts) best = std::max(best, attempt.grasp->score);
+  spec.planner.min_score = best + 0.001;
+  const TrialResult none = RunPoseFree(spec, EasyCube());
+  ASSERT_EQ(none.attempts.size(), 1u);
+  EXPECT_FALSE(none.attempts[0].grasp.has_value());
+  EXPECT_EQ(none.attempts[0].failure, FailureReason::kNoGrasp);
+  EXPECT_GT(none.attempts[0].grasps_rejected.at("score too low"), 0);
+}
+
 TEST(PoseFreeTrial, ReportsHaveNoRecall) {
   const TrialResult result = RunPoseFree(PoseFreeScenario(2), EasyCube());
   const RunSummary summary = Summarize({result});

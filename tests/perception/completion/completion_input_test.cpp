@@ -63,9 +63,68 @@ TEST(CompletionInput, ChannelsEqualABruteForceComputationOnASphere) {
   EXPECT_GT(surface, 300);
 }
 
+// The image shows what the camera shows: each pixel is compared with the sphere on its ray.
+TEST(CompletionInput, TheImageHasTheDepthsOfTheRays) {
+  const CompletionInput input(UsualSphereView());
+  const std::vector<float> image = input.ImageChannels();
+  ASSERT_EQ(image.size(), static_cast<size_t>(kImageChannels * kImageArea));
+  const CompletionCube& cube = input.cube();
+  const CameraIntrinsics k = TestCamera();
+  int wrong = 0, on_segment = 0;
+  for (int y = 0; y < kImagePixels; ++y) {
+    for (int x = 0; x < kImagePixels; ++x) {
+      // The point of the ray at the depth of the cube's center.
+      const Eigen::Vector3d across((x + 0.5) / kImagePixels - 0.5, (y + 0.5) / kImagePixels - 0.5,
+                                   0);
+      if (across.cwiseAbs().maxCoeff() > 0.5 / kSidePerImage) continue;  // outside the cube
+      const Eigen::Vector3d p_C =
+          cube.origin_C.cast<double>() +
+          cube.side_m * (Eigen::Vector3d::Constant(0.5) + kSidePerImage * across);
+      const Eigen::Vector2d pixel = Project(k, p_C);
+      const double seen_m =
+          SphereDepth_m(k, static_cast<int>(std::lround(pixel.x())),
+                        static_cast<int>(std::lround(pixel.y())), kSphereCenter_C, kSphereRadius_m);
+      const auto at = [&](int channel) {
+        return image[channel * kImageArea + y * kImagePixels + x];
+      };
+      const double relative =
+          seen_m > 0 ? (seen_m - cube.origin_C.z()) / (0.5 * cube.side_m) - 1 : 0;
+      wrong += std::abs(at(0) - relative) > 1e-3 || at(1) != (seen_m > 0) || at(2) != !(seen_m > 0);
+      on_segment += seen_m > 0;
+      EXPECT_EQ(at(3), 0);
+      EXPECT_EQ(at(4), 0);
+    }
+  }
+  // A point between two pixels may be rounded to either.
+  EXPECT_LT(wrong, kImageArea / 100);
+  EXPECT_GT(on_segment, 1000);
+}
+
+// All points of a ray have one place, and it agrees with the pixels of the image.
+TEST(CompletionInput, ThePlaceInTheImageFollowsTheRay) {
+  const CompletionInput input(UsualSphereView());
+  const std::vector<float> image = input.ImageChannels();
+  const Eigen::Vector3f center_C = kSphereCenter_C.cast<float>();
+  const Eigen::Vector2f of_center = input.ImagePlace(center_C);
+  EXPECT_LT((input.ImagePlace(1.2f * center_C) - of_center).norm(), 1e-5);
+  Rng rng(4);
+  int wrong = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d share(rng.Uniform(), rng.Uniform(), rng.Uniform());
+    const Eigen::Vector3f p_C = input.cube().origin_C + input.cube().side_m * share.cast<float>();
+    const Eigen::Vector2f place = input.ImagePlace(p_C);
+    ASSERT_LT(place.cwiseAbs().maxCoeff(), 1);
+    const Eigen::Array2i pixel = (0.5f * kImagePixels * (place.array() + 1)).cast<int>();
+    const bool shows = image[kImageArea + pixel.y() * kImagePixels + pixel.x()] > 0;
+    wrong += shows != (input.Facts(p_C)[3] > 0);
+  }
+  EXPECT_LT(wrong, 40);  // at the edge of the part
+}
+
 TEST(CompletionInput, WhatIsBehindChangesNothing) {
   const CompletionInput near(UsualSphereView(0.75f)), far(UsualSphereView(3));
   EXPECT_EQ(near.Channels(), far.Channels());
+  EXPECT_EQ(near.ImageChannels(), far.ImageChannels());
   Rng rng(1);
   for (int i = 0; i < 1000; ++i) {
     const Eigen::Vector3d share(rng.Uniform(), rng.Uniform(), rng.Uniform());

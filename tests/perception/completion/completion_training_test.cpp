@@ -28,6 +28,7 @@ CompletionNetworkOptions TinyNetwork() {
   CompletionNetworkOptions options;
   options.width_16 = options.width_8 = options.width_4 = 4;
   options.bottleneck = 4;
+  options.image_width = 4;
   options.hidden = 16;
   return options;
 }
@@ -62,13 +63,19 @@ CompletionSample SphereSample(uint64_t seed) {
   return MakeSample(*solid, drawn, 256, rng);
 }
 
-// A query keeps its cell when both are turned.
-TEST(TrainingSample, ATurnMovesCellsAndQueriesAlike) {
+// A query keeps its cell and its pixel when all are turned.
+TEST(TrainingSample, ATurnMovesCellsPixelsAndQueriesAlike) {
   CompletionSample sample;
-  constexpr int n = kInputCells;
+  constexpr int n = kInputCells, m = kImagePixels;
   sample.channels.resize(kInputChannels * n * n * n);
+  sample.image.resize(kImageChannels * m * m);
   Rng rng(1);
   for (int8_t& value : sample.channels) value = static_cast<int8_t>(rng.Index(255) - 127);
+  for (float& value : sample.image) value = static_cast<float>(rng.Uniform());
+  const auto pixel_of = [&](const float* place) {
+    const auto at = [&](float value) { return std::min(m - 1, int((value + 1) / 2 * m)); };
+    return at(place[1]) * m + at(place[0]);
+  };
   const auto cell_of = [&](const float* place) {
     const auto at = [&](float value) { return std::min(n - 1, int((value + 1) / 2 * n)); };
     return (at(place[2]) * n + at(place[1])) * n + at(place[0]);
@@ -77,17 +84,24 @@ TEST(TrainingSample, ATurnMovesCellsAndQueriesAlike) {
     for (int axis = 0; axis < 3; ++axis) {
       sample.queries.push_back(static_cast<float>((rng.Index(n) + 0.5) / n * 2 - 1));
     }
+    for (int axis = 0; axis < 2; ++axis) {
+      sample.queries.push_back(static_cast<float>((rng.Index(m) + 0.5) / m * 2 - 1));
+    }
     sample.queries.insert(sample.queries.end(), kPointFacts, 0.0f);
     sample.inside.push_back(0);
   }
   for (int turn = 0; turn < kCubeTurns; ++turn) {
-    CompletionBatch batch;
-    AppendTurned(sample, turn, batch);
+    const TurnedSample turned[] = {{&sample, 0}, {&sample, turn}};
+    const CompletionBatch batch = BatchOf(turned, 2);
+    const int8_t* const channels = batch.channels.data() + sample.channels.size();
+    const float* const image = batch.images.data() + sample.image.size();
     int moved = 0;
     for (size_t i = 0; i < sample.queries.size(); i += kQueryValues) {
-      const int before = cell_of(sample.queries.data() + i), after = cell_of(&batch.queries[i]);
-      EXPECT_EQ(sample.channels[before], batch.channels[after]);
-      moved += before != after;
+      const float* const own = sample.queries.data() + i;
+      const float* const query = &batch.queries[sample.queries.size() + i];
+      EXPECT_EQ(sample.channels[cell_of(own)], channels[cell_of(query)]);
+      EXPECT_EQ(sample.image[pixel_of(own + kImagePlace)], image[pixel_of(query + kImagePlace)]);
+      moved += cell_of(own) != cell_of(query);
     }
     EXPECT_EQ(moved > 0, turn > 0);
   }
@@ -97,8 +111,11 @@ TEST(CompletionNetwork, LearnsOneShapeByHeart) {
   CompletionNetworkOptions options = TinyNetwork();
   options.width_16 = 8;
   CompletionNetwork network(options, 1);
-  CompletionBatch batch;
-  for (int i = 0; i < 4; ++i) AppendTurned(SphereSample(i), 0, batch);
+  std::vector<CompletionSample> samples;
+  for (int i = 0; i < 4; ++i) samples.push_back(SphereSample(i));
+  std::vector<TurnedSample> turned;
+  for (const CompletionSample& sample : samples) turned.push_back({&sample, 0});
+  const CompletionBatch batch = BatchOf(turned);
   const double first = network.TrainStep(batch, 5e-3);
   double last = first;
   for (int step = 0; step < 60; ++step) last = network.TrainStep(batch, 5e-3);
@@ -114,6 +131,7 @@ TEST(CompletionNetwork, ABatchGivesTheSameAsOneView) {
   batch.count = 1;
   batch.points = 2;
   batch.channels = input.Channels();
+  batch.images = input.ImageChannels();
   for (const Eigen::Vector3f& p_C : points) AppendQuery(input, p_C, batch.queries);
   EXPECT_EQ(network.Probabilities(batch), network.Probabilities(input, points));
 }
@@ -163,7 +181,7 @@ TEST(CompletionFile, RefusesWeightsBeyondHalfPrecision) {
   EXPECT_THROW(LoadCompletionModel(TestFile("nan.net")), InputError);
 }
 
-TEST(CompletionFile, RefusesMissingDamagedAndNewerFilesInOneLine) {
+TEST(CompletionFile, RefusesMissingDamagedNewerAndOlderFilesInOneLine) {
   const auto error_of = [](const std::string& bytes) {
     WriteFileAtomically(TestFile("bad.net"), bytes);
     try {
@@ -185,6 +203,9 @@ TEST(CompletionFile, RefusesMissingDamagedAndNewerFilesInOneLine) {
   std::string newer = good;
   newer[8] = 9;  // the version follows the 8 bytes of the magic
   EXPECT_THAT(error_of(newer), HasSubstr("version 9, newer than this program"));
+  std::string older = good;
+  older[8] = 1;
+  EXPECT_THAT(error_of(older), HasSubstr("version 1, older than 2; make it again"));
   EXPECT_THAT(error_of(newer), HasSubstr("pickbed train completion"));
   EXPECT_THROW(LoadCompletionModel(TestFile("none.net")), InputError);
 }

@@ -16,6 +16,7 @@ TEST(ImplicitNet, AViewHasTheSameProbabilitiesAloneAndInABatch) {
   last.count = 1;
   last.points = all.points;
   last.channels.assign(all.channels.end() - kInputChannels * kInputVolume, all.channels.end());
+  last.images.assign(all.images.end() - kImageChannels * kImageArea, all.images.end());
   last.queries.assign(all.queries.end() - all.points * kQueryValues, all.queries.end());
   last.inside.assign(all.inside.end() - all.points, all.inside.end());
   const std::vector<float> alone = network.Probabilities(last);

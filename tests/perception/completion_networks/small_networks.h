@@ -12,6 +12,7 @@ inline CompletionNetworkOptions SmallNetwork(const std::string& kind) {
   options.kind = kind;
   options.width_16 = options.width_8 = options.width_4 = 4;
   options.bottleneck = 8;
+  options.image_width = 4;
   options.hidden = 16;
   options.rounds = 6;
   return options;
@@ -20,13 +21,15 @@ inline CompletionNetworkOptions SmallNetwork(const std::string& kind) {
 // Four views of a sphere, with volumes.
 inline CompletionBatch SphereBatch() {
   const auto solid = SphereSolid(0.05f);
-  CompletionBatch batch;
+  std::vector<CompletionSample> samples;
+  std::vector<TurnedSample> turned;
   for (int seed = 0; seed < 4; ++seed) {
     Rng rng(seed);
     const RandomView drawn = DrawView(*solid, {}, {}, rng);
-    AppendTurned(MakeSample(*solid, drawn, 256, rng, /*with_volume=*/true), 0, batch);
+    samples.push_back(MakeSample(*solid, drawn, 256, rng, /*with_volume=*/true));
   }
-  return batch;
+  for (const CompletionSample& sample : samples) turned.push_back({&sample, 0});
+  return BatchOf(turned);
 }
 
 // Mean probability of the points of a batch that are inside, or outside.

@@ -66,13 +66,13 @@ TEST(VolumeVae, ATurnedViewHasTheTurnedCompletion) {
   const auto solid = BoxSolid({0.06f, 0.03f, 0.02f});
   Rng rng(5);
   const CompletionSample sample = MakeSample(*solid, DrawView(*solid, {}, {}, rng), 128, rng, true);
-  CompletionBatch own;
-  AppendTurned(sample, 0, own);
-  const std::vector<float> expected = network.Probabilities(own);
+  const auto completed = [&](int turn) {
+    const TurnedSample turned{&sample, turn};
+    return network.Probabilities(BatchOf(std::span(&turned, 1)));
+  };
+  const std::vector<float> expected = completed(0);
   for (int turn = 1; turn < kCubeTurns; ++turn) {
-    CompletionBatch turned;
-    AppendTurned(sample, turn, turned);
-    const std::vector<float> values = network.Probabilities(turned);
+    const std::vector<float> values = completed(turn);
     for (size_t i = 0; i < values.size(); ++i) ASSERT_NEAR(values[i], expected[i], 1e-3) << turn;
   }
 }
