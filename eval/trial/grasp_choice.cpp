@@ -112,6 +112,13 @@ std::vector<Grasp> PlanOnImage(const TrialSetup& setup, const TrueScene& truth,
   if (fresh.size() < plan.grasps.size()) {
     record.grasps_rejected["failed before"] = static_cast<int>(plan.grasps.size() - fresh.size());
   }
+  if (const int limit = setup.spec.policy.max_failures_at_place; limit > 0) {
+    const auto given_up = std::erase_if(
+        fresh, [&](const Grasp& grasp) { return failed.FailuresNear(grasp) >= limit; });
+    if (given_up > 0) {
+      record.grasps_rejected["failed too often here"] = static_cast<int>(given_up);
+    }
+  }
   if (earlier.empty()) return fresh;
   const auto disturbing = std::erase_if(fresh, [&](const Grasp& grasp) {
     return !earlier.IsIndependent(grasp, on.poses[grasp.hypothesis],
@@ -209,15 +216,18 @@ std::vector<Grasp> GraspMemory::WithoutRepetitions(const std::vector<Grasp>& gra
   // Without poses, several failures at one place are of one instance. Other grasps may hold it, but
   // other instances come first.
   std::stable_partition(fresh.begin(), fresh.end(), [&](const Grasp& grasp) {
-    const auto fails_here = [&](const FailedGrasp& old) {
-      return old.object == kAnyObject &&
-             (old.position_W - grasp.X_WG.translation()).norm() < kSameInstance_m;
-    };
-    const bool is_pose_free = grasp.hypothesis == kNoHypothesis;
-    return !is_pose_free ||
-           std::count_if(failed_.begin(), failed_.end(), fails_here) < kFailuresOfInstance;
+    return FailuresNear(grasp) < kFailuresOfInstance;
   });
   return fresh;
+}
+
+int GraspMemory::FailuresNear(const Grasp& grasp) const {
+  if (grasp.hypothesis != kNoHypothesis) return 0;
+  const auto is_near = [&](const FailedGrasp& old) {
+    return old.object == kAnyObject &&
+           (old.position_W - grasp.X_WG.translation()).norm() < kSameInstance_m;
+  };
+  return static_cast<int>(std::count_if(failed_.begin(), failed_.end(), is_near));
 }
 
 InstanceId MatchedInstance(const HypothesisRecord& hypothesis, double match_diameters) {

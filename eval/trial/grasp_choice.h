@@ -33,6 +33,9 @@ class GraspMemory {
   std::vector<Grasp> WithoutRepetitions(const std::vector<Grasp>& grasps,
                                         const std::vector<EstimatedPose>& poses,
                                         const TrialOptions& options) const;
+  // Returns the number of failed grasps without a pose whose hand was near the hand of a grasp. It
+  // is 0 for a grasp with a pose.
+  int FailuresNear(const Grasp& grasp) const;
   bool empty() const { return failed_.empty(); }
   void Clear() { failed_.clear(); }
 

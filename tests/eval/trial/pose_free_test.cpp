@@ -223,5 +223,20 @@ TEST(PoseFreeTrial, AnInstanceThatFailsTwiceComesAfterOthers) {
   EXPECT_EQ(fresh[2].X_WG.translation().x(), 0.03);
 }
 
+// The cube is too heavy to be lifted, so each grasp fails.
+TEST(PoseFreeTrial, GivesUpAPlaceAfterTheAllowedFailures) {
+  const ObjectSet heavy{BoxObject({0.04, 0.04, 0.04}, 40)};
+  ScenarioSpec spec = PoseFreeScenario(1);
+  spec.policy.max_failures_in_row = 5;
+  const auto executed = [&] {
+    const TrialResult result = RunPoseFree(spec, heavy);
+    return std::count_if(result.attempts.begin(), result.attempts.end(),
+                         [](const AttemptRecord& attempt) { return attempt.grasp.has_value(); });
+  };
+  ASSERT_GT(executed(), 2);
+  spec.policy.max_failures_at_place = 2;
+  EXPECT_EQ(executed(), 2);
+}
+
 }  // namespace
 }  // namespace pickbed::tests
