@@ -109,12 +109,15 @@ VoteDensity CandidateRefiner::Density(ObjectId object, const std::vector<PoseVot
                      options_.density_diameters, votes);
 }
 
-double CandidateRefiner::SceneEffort(const OrganizedCloud& cloud) const {
+double CandidateRefiner::SceneEffort(const OrganizedCloud& cloud,
+                                     const std::vector<int>& pixels) const {
   // Without a known background, a wide foreground says little about the number of instances.
-  constexpr double kMaxEffort = 10;
+  constexpr double kMaxEffort = 10, kMaxEffortUnknown = 4;
   if (!(silhouette_m2_ > 0)) return 1;
-  const double instances = ForegroundArea_m2(cloud) / silhouette_m2_;
-  return std::clamp(instances / options_.usual_instances, 1.0, kMaxEffort);
+  const double instances = AreaOf_m2(cloud, pixels) / silhouette_m2_;
+  const bool is_known = cloud.background == BackgroundKind::kKnown;
+  return std::clamp(instances / options_.usual_instances, 1.0,
+                    is_known ? kMaxEffort : kMaxEffortUnknown);
 }
 
 int CandidateRefiner::Kept(const SearchEffort& effort) const {

@@ -87,8 +87,8 @@ class CandidateRefiner {
 
   // Returns the mean of the objects' largest silhouettes, m^2.
   double silhouette_m2() const { return silhouette_m2_; }
-  // Returns the scene's part of the effort, from its foreground; at least 1.
-  double SceneEffort(const OrganizedCloud& cloud) const;
+  // Returns the scene's part of the effort, from the pixels that are searched; at least 1.
+  double SceneEffort(const OrganizedCloud& cloud, const std::vector<int>& pixels) const;
 
   // Returns the pixels that no evident candidate explains.
   std::vector<int> Unexplained(const OrganizedCloud& cloud,

@@ -17,9 +17,9 @@ double LargestSilhouette_m2(const ModelPoints& model) {
   return largest_m2;
 }
 
-double ForegroundArea_m2(const OrganizedCloud& cloud) {
+double AreaOf_m2(const OrganizedCloud& cloud, const std::vector<int>& pixels) {
   double sum_m2 = 0;
-  for (const int pixel : cloud.foreground_pixels) {
+  for (const int pixel : pixels) {
     const double z_m = cloud.points_C[pixel].z();
     sum_m2 += z_m * z_m;
   }

@@ -3,6 +3,8 @@
 // How much there is to search: foreground and silhouettes. The foreground over the largest
 // silhouette of an instance is a lower bound of the number of visible instances.
 
+#include <vector>
+
 #include "perception/cloud/organized_cloud.h"
 #include "perception/model/model_points.h"
 
@@ -11,7 +13,7 @@ namespace pickbed::perception {
 // Returns the area of the model's silhouette, m^2, as the largest over all viewing directions.
 double LargestSilhouette_m2(const ModelPoints& model);
 
-// Returns the area of the foreground, m^2, as seen by the camera.
-double ForegroundArea_m2(const OrganizedCloud& cloud);
+// Returns the area of the pixels, m^2, as seen by the camera.
+double AreaOf_m2(const OrganizedCloud& cloud, const std::vector<int>& pixels);
 
 }  // namespace pickbed::perception

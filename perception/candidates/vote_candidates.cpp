@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string_view>
 
+#include "perception/candidates/search_pixels.h"
 #include "scenes/base/error.h"
 
 namespace pickbed::perception {
@@ -95,6 +96,7 @@ struct CandidateFinder::Impl {
   std::vector<PoseTargets> targets;        // by object
   std::vector<SideGroup> groups;
   std::unique_ptr<PoseProposer> proposer;  // may be null
+  double largest_diameter_m = 0;           // of the objects
 
   void BuildGroups();
   // Appends the votes of the patches at the pixels; `votes` is by object.
@@ -302,6 +304,9 @@ CandidateFinder::CandidateFinder(std::vector<CandidateObject> objects, PatchVote
                                       std::move(targets),
                                       {},
                                       std::move(proposer)});
+  for (const CandidateObject& object : impl_->objects) {
+    impl_->largest_diameter_m = std::max(impl_->largest_diameter_m, object.model->diameter_m);
+  }
   impl_->BuildGroups();
 }
 
@@ -316,8 +321,9 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
   RequireChannels(cloud, impl_->voter.channels);  // throws even if no patch is cut
   if (trace) trace->channels = impl_->voter.channels;
   std::vector<Candidate> candidates;
-  std::vector<int> unexplained = cloud.foreground_pixels;
-  SearchEffort effort{impl_->candidate_refiner.SceneEffort(cloud), 1};
+  std::vector<int> unexplained = SearchPixels(cloud, impl_->largest_diameter_m);
+  const auto searched = static_cast<double>(unexplained.size());
+  SearchEffort effort{impl_->candidate_refiner.SceneEffort(cloud, unexplained), 1};
   RawPoses proposed;
   if (impl_->proposer) proposed = impl_->proposer->Propose(cloud, seconds);
   for (int round = 0; round < impl_->options.rounds && !unexplained.empty(); ++round) {
@@ -325,8 +331,7 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
       // The remaining pixels are few and difficult, so they get twice the patch density.
       constexpr double kDenser = 2;
       unexplained = impl_->candidate_refiner.Unexplained(cloud, candidates, unexplained);
-      effort.share = std::min(1.0, kDenser * static_cast<double>(unexplained.size()) /
-                                       static_cast<double>(cloud.foreground_pixels.size()));
+      effort.share = std::min(1.0, kDenser * static_cast<double>(unexplained.size()) / searched);
     }
     for (Candidate& candidate :
          impl_->Round(cloud, unexplained, effort, rng, seconds, trace, proposed)) {
@@ -347,7 +352,8 @@ std::vector<Candidate> CandidateFinder::FindIn(const OrganizedCloud& cloud,
   // A region is a small scene: its patches are as dense as in a search of the whole foreground.
   const double share = static_cast<double>(pixels.size()) /
                        static_cast<double>(std::max<size_t>(1, cloud.foreground_pixels.size()));
-  const SearchEffort effort{share * impl_->candidate_refiner.SceneEffort(cloud), 1};
+  const SearchEffort effort{
+      share * impl_->candidate_refiner.SceneEffort(cloud, cloud.foreground_pixels), 1};
   return impl_->Round(cloud, pixels, effort, rng, seconds, trace, {});
 }
 

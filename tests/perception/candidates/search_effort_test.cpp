@@ -24,7 +24,7 @@ TEST(LargestSilhouette, OfAConcaveObjectDoesNotCountHiddenSurface) {
   EXPECT_LT(silhouette_m2, 0.5 * SurfaceArea(bracket->mesh_O));
 }
 
-TEST(ForegroundArea, OfAFacingSquareIsItsArea) {
+TEST(AreaOf, AFacingSquareIsItsArea) {
   OrganizedCloud cloud;
   cloud.intrinsics = {100, 100, 400, 400, 49.5, 49.5};
   cloud.points_C.assign(100 * 100, Eigen::Vector3f(0, 0, 0.8f));
@@ -32,7 +32,7 @@ TEST(ForegroundArea, OfAFacingSquareIsItsArea) {
     for (int x = 20; x < 70; ++x) cloud.foreground_pixels.push_back(y * 100 + x);
   }
   const double side_m = 50 * 0.8 / 400;
-  EXPECT_NEAR(ForegroundArea_m2(cloud), side_m * side_m, 1e-6);
+  EXPECT_NEAR(AreaOf_m2(cloud, cloud.foreground_pixels), side_m * side_m, 1e-6);
 }
 
 }  // namespace
