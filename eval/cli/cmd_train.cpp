@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <chrono>
+
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/cli/completion/commands.h"
@@ -242,7 +244,8 @@ int TrainVerifiers(const TrainArguments& arguments, const TrainingSet& training_
 }
 
 int TrainModel(TrainArguments& arguments, const TrainingSet& training_set,
-               const std::filesystem::path& model_file) {
+               const std::filesystem::path& model_file,
+               std::chrono::steady_clock::time_point began) {
   const std::filesystem::path checkpoint = model_file.string() + ".checkpoint";
   CheckInput(!arguments.resume || std::filesystem::exists(checkpoint), NothingToResume(checkpoint));
   const auto views = MakeTrainingViews(training_set);
@@ -259,7 +262,8 @@ int TrainModel(TrainArguments& arguments, const TrainingSet& training_set,
                           [&](const TrainingProgress& state) {
                             progress.ShowTimed(ProgressText(state), CountText(state));
                             return !Interrupted();
-                          }};
+                          },
+                          began};
     report = TrainDescriptor(job, arguments.training);
   }
   if (!report.finished) {
@@ -287,6 +291,7 @@ int TrainModel(TrainArguments& arguments, const TrainingSet& training_set,
 }  // namespace
 
 int TrainCommand(int argc, char** argv) {
+  const auto began = std::chrono::steady_clock::now();  // --minutes includes the preparation
   if (argc > 1 && std::string(argv[1]) == "completion") {
     return TrainCompletionCommand(argc - 1, argv + 1);
   }
@@ -323,7 +328,7 @@ int TrainCommand(int argc, char** argv) {
   if (model_file.has_parent_path()) MakeFolder(model_file.parent_path());
   RequireWritable(model_file);
   if (!arguments.verifier_for.empty()) return TrainVerifiers(arguments, training_set, model_file);
-  return TrainModel(arguments, training_set, model_file);
+  return TrainModel(arguments, training_set, model_file, began);
 }
 
 }  // namespace pickbed::eval

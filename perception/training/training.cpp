@@ -19,14 +19,8 @@
 namespace pickbed::perception {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 // Interval of checks for a stop request while waiting for views.
 constexpr std::chrono::milliseconds kPollInterval{100};
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // Runs `work` and prefixes the message of an InputError with the object's name.
 template <typename Work>
@@ -41,22 +35,25 @@ auto NamingObject(const ObjectModel& object, const Work& work) {
 // Adds the seconds of its lifetime to a phase of the report.
 class PhaseTimer {
  public:
-  PhaseTimer(TrainingReport& report, const std::string& name) : report_(report), name_(name) {}
+  PhaseTimer(TrainingReport& report, const TrainingClock& now, const std::string& name)
+      : report_(report), now_(now), name_(name) {}
   ~PhaseTimer() {
+    const double seconds = SecondsBetween(start_, now_());
     for (TrainingReport::PhaseSeconds& phase : report_.phases) {
       if (phase.name != name_) continue;
-      phase.seconds += SecondsSince(start_);
+      phase.seconds += seconds;
       return;
     }
-    report_.phases.push_back({name_, SecondsSince(start_)});
+    report_.phases.push_back({name_, seconds});
   }
   PhaseTimer(const PhaseTimer&) = delete;
   PhaseTimer& operator=(const PhaseTimer&) = delete;
 
  private:
   TrainingReport& report_;
+  const TrainingClock& now_;
   std::string name_;
-  Clock::time_point start_ = Clock::now();
+  TrainingTime start_ = now_();
 };
 
 // One training, from views to model file.
@@ -67,7 +64,8 @@ class Trainer {
 
  private:
   bool Report(const char* phase, double share, int total, double shown_from = 0);
-  void BeginPhase() { phase_start_ = Clock::now(); }
+  void BeginPhase() { phase_start_ = job_.now(); }
+  double SecondsSince(TrainingTime start) const { return SecondsBetween(start, job_.now()); }
   TrainingViewsPlan Plan() const;
   std::vector<ObjectId> NewObjects() const;
   VerifierTrainingOptions VerifierPlan() const;
@@ -103,7 +101,7 @@ class Trainer {
   std::unique_ptr<TrainingViews> views_;
   int iteration_ = 0;  // steps done
   TrainingReport report_;
-  Clock::time_point start_ = Clock::now(), phase_start_ = start_;
+  TrainingTime start_, phase_start_;
 };
 
 Trainer::Trainer(const TrainingJob& job, const TrainingOptions& options)
@@ -116,7 +114,9 @@ Trainer::Trainer(const TrainingJob& job, const TrainingOptions& options)
       key_(CheckpointKey(job.views, options, job.sensor_profile,
                          from_.model ? from_.model->network_hash : 0)),
       network_(options.network, options.seed, static_cast<int>(objects_.size())),
-      data_(objects_, schedule_.main_objects(), sides_, network_.regresses(), options) {
+      data_(objects_, schedule_.main_objects(), sides_, network_.regresses(), options),
+      start_(job.began.value_or(job.now())),
+      phase_start_(start_) {
   for (size_t object = 0; object < objects_.size(); ++object) {
     report_.rehearsed.push_back(from_.IsRehearsed(object));
   }
@@ -184,7 +184,7 @@ TrainingViewsPlan Trainer::Plan() const {
 }
 
 bool Trainer::AwaitHeldOut() {
-  const PhaseTimer timer(report_, "waiting for views");
+  const PhaseTimer timer(report_, job_.now, "waiting for views");
   while (true) {
     if (!Report("views", 0, schedule_.FirstScenes())) return false;
     if (std::optional<HeldOutSet> set = views_->TakeHeldOut(kPollInterval)) {
@@ -199,7 +199,7 @@ bool Trainer::AwaitHeldOut() {
 bool Trainer::AwaitScenes(double share, const char* phase, double shown_from) {
   const int wanted = schedule_.WantedScenes(share);
   if (data_.clutter_scenes() >= wanted) return true;
-  const PhaseTimer timer(report_, "waiting for views");
+  const PhaseTimer timer(report_, job_.now, "waiting for views");
   const bool limited = options_.max_minutes > 0;
   while (data_.clutter_scenes() < wanted) {
     const bool enough = limited && data_.clutter_scenes() > 0;
@@ -233,7 +233,7 @@ double Trainer::NetworkLimit_s() const {
 // while the verifier of the one before is trained. A network that ends early leaves them more time,
 // which they use up to the planned number of scenes.
 std::vector<VerifierDeadlines> Trainer::Deadlines() const {
-  constexpr double kUsedShare = 0.93;  // the rest is for the fit, the report and the files
+  constexpr double kUsedShare = 0.97;  // the rest is for the report and the files
   constexpr double kViewsShare = 0.5;  // of an object's time, the rest is for its candidates
   std::vector<VerifierDeadlines> deadlines;
   if (options_.max_minutes <= 0) return deadlines;
@@ -241,13 +241,11 @@ std::vector<VerifierDeadlines> Trainer::Deadlines() const {
   const double end_s = kUsedShare * 60 * options_.max_minutes;
   const size_t count = NewObjects().size() - trained_.size();
   const auto at = [&](double objects) {
-    const double seconds = begin_s + (end_s - begin_s) * objects / static_cast<double>(count);
-    return start_ +
-           std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+    return Later(start_, begin_s + (end_s - begin_s) * objects / static_cast<double>(count));
   };
   for (size_t i = 0; i < count; ++i) {
     const double done = static_cast<double>(i);
-    deadlines.push_back({at(done + kViewsShare), at(done + 1)});
+    deadlines.push_back({at(done + kViewsShare), at(done + 1), job_.now});
   }
   return deadlines;
 }
@@ -270,7 +268,7 @@ void Trainer::Step(double share) {
 }
 
 void Trainer::Measure() {
-  const PhaseTimer timer(report_, "held-out recall");
+  const PhaseTimer timer(report_, job_.now, "held-out recall");
   HeldOutRecall recall = MeasureRecall(held_out_, objects_, Describe(), network_.length());
   recall.iteration = iteration_;
   report_.recall_history.push_back(std::move(recall));
@@ -289,7 +287,7 @@ bool Trainer::TrainNetwork() {
     }
     if (iteration_ == 0) BeginPhase();
     {
-      const PhaseTimer timer(report_, "network");
+      const PhaseTimer timer(report_, job_.now, "network");
       Step(share);
     }
     if (iteration_ % schedule_.measure_every() == 0) Measure();
@@ -320,12 +318,12 @@ bool Trainer::TrainVerifiers() {
   for (size_t n = first; n < new_objects.size(); ++n) {
     std::optional<VerifierTrainingSet> training_set;
     while (!training_set) {
-      const PhaseTimer timer(report_, "waiting for verifier views");
+      const PhaseTimer timer(report_, job_.now, "waiting for verifier views");
       if (!Report("verifier", share_of(n, 0), clutter_scenes)) return false;
       training_set = NamingObject(*objects_[new_objects[n]],
                                   [&] { return views_->TakeTrainingSet(kPollInterval); });
     }
-    const PhaseTimer timer(report_, "verifier");
+    const PhaseTimer timer(report_, job_.now, "verifier");
     const ObjectId i = new_objects[n];
     const VerifierObject object{i, sides_[i], network_.length(), VoterOf(network_)};
     VerifierTrainingOptions plan = VerifierPlan();

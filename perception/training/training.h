@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "perception/networks/losses.h"
 #include "perception/training/held_out.h"
 #include "perception/training/positive_pairs.h"
+#include "perception/training/training_clock.h"
 #include "perception/training/verifier_fit.h"
 #include "scenes/base/settings.h"
 #include "scenes/labelled_view.h"
@@ -80,6 +82,10 @@ struct TrainingJob {
   std::filesystem::path start_from;
   std::string sensor_profile;                                // recorded in the model file
   std::function<bool(const TrainingProgress&)> on_progress;  // false = stop after a checkpoint
+  // Begin of the time that max_minutes limits; empty = the call of TrainDescriptor(). A caller that
+  // has prepared the views for some time gives its own start.
+  std::optional<TrainingTime> began = {};
+  TrainingClock now = std::chrono::steady_clock::now;  // a test replaces it
 };
 
 // Result of a training.

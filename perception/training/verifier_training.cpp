@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "perception/candidates/pose_selection.h"
 #include "scenes/base/error.h"
@@ -112,13 +113,24 @@ Calibration Calibrate(const std::vector<ScoredPose>& poses) {
 
 namespace {
 
-// With a time limit, the smallest number of clutter scenes, and of views of them.
-constexpr int kMinScenes = 4;
+constexpr int kMinScenes = 4;  // with a time limit, of each kind
 
 constexpr size_t kRoomPair = 2;  // every second room has no object
 constexpr size_t kFolds = 3;     // of the cross-fitting
 
-bool IsPast(VerifierDeadlines::Time time) { return std::chrono::steady_clock::now() > time; }
+// Whether a time limit leaves no time for one more step, if it takes as long as the steps so far.
+class StepLimit {
+ public:
+  StepLimit(const TrainingClock& now, TrainingTime end) : now_(now), start_(now()), end_(end) {}
+  bool IsOver(int steps_done) const {
+    const TrainingTime now = now_();
+    return Later(now, SecondsBetween(start_, now) / steps_done) > end_;
+  }
+
+ private:
+  const TrainingClock& now_;
+  TrainingTime start_, end_;
+};
 
 }  // namespace
 
@@ -129,10 +141,16 @@ VerifierTrainingSet VerifierScenes(LabelledViewSource& views, ObjectId object, b
   VerifierTrainingSet all;
   bool go_on = true;
   const double total = std::max(1, options.clutter_scenes + options.room_scenes);
-  const auto start = std::chrono::steady_clock::now();
-  // Appends views of scenes 0, 1, ... until there are enough, or its share of the time is over.
+  // Appends views of scenes 0, 1, ... until there are enough, or its share of the time that is left
+  // is over.
   const auto append = [&](const char* stream, int scenes, int before, double time_share,
                           const auto& surroundings, std::vector<LabelledView>& to) {
+    std::optional<StepLimit> limit;
+    if (options.deadlines) {
+      const TrainingTime now = options.deadlines->now();
+      const double left_s = SecondsBetween(now, options.deadlines->views);
+      limit.emplace(options.deadlines->now, Later(now, time_share * left_s));
+    }
     for (int i = 0; i < scenes && go_on; ++i) {
       Rng rng = Rng::Derive(options.seed, i, stream);
       const ClutterSceneRequest request{rng.Next(), options.views_per_scene, object, true,
@@ -143,12 +161,7 @@ VerifierTrainingSet VerifierScenes(LabelledViewSource& views, ObjectId object, b
         to.push_back(std::move(view));
       }
       go_on = on_share((before + i + 1) / total);
-      if (i + 1 < kMinScenes || !options.deadlines) continue;
-      const auto time = options.deadlines->views - start;
-      if (IsPast(start + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                             time_share * time))) {
-        break;
-      }
+      if (i + 1 >= kMinScenes && limit && limit->IsOver(i + 1)) break;
     }
   };
   const double clutter_share = options.clutter_scenes / total;
@@ -221,9 +234,8 @@ class NetworkTrainer {
         refiner_(sources.front()->candidate_refiner()),
         options_(options) {}
 
-  // Finds candidates in the views until `end`, if given. Returns false if stopped.
-  bool Find(const std::function<bool(double)>& on_share,
-            const std::optional<VerifierDeadlines::Time>& end);
+  // Finds candidates in the views, until `end` if given. Returns false if stopped.
+  bool Find(const std::function<bool(double)>& on_share, const std::optional<TrainingTime>& end);
   bool HasRight() const { return std::ranges::count(examples_.right, 1) > 0; }
 
   // Trains the network on the first views and calibrates it on the others.
@@ -235,12 +247,18 @@ class NetworkTrainer {
   void TrainUnknown(Verifier& verifier) const;
 
  private:
+  // A view that was searched for candidates.
+  struct SearchedView {
+    size_t view = 0;
+    std::vector<std::vector<Candidate>> found;  // by source
+  };
+
   // Poses of all scores, by background and mode.
   using Reported =
       std::array<std::array<std::vector<ScoredPose>, kCandidateModes>, kBackgroundKinds>;
 
   // Adds the poses that the uncalibrated verifier reports in a view.
-  void Report(const Verifier& verifier, size_t view, Reported& reported) const;
+  void Report(const Verifier& verifier, const SearchedView& searched, Reported& reported) const;
 
   // Calibrates the verifier for the backgrounds of the views.
   void CalibrateScores(const Reported& reported, Verifier& verifier) const;
@@ -260,52 +278,79 @@ class NetworkTrainer {
                       options);
   }
 
+  std::vector<size_t> SearchOrder(bool has_limit) const;
+
+  // Adds the candidates of a view as examples.
+  void AddExamples(const SearchedView& searched, VerifierExamples& examples) const;
+
   const std::vector<LabelledView>& views_;
   bool is_known_;
   ObjectId object_;
   std::span<const CandidateSource* const> sources_;
   const CandidateRefiner& refiner_;
   const VerifierTrainingOptions& options_;
-  std::vector<std::vector<std::vector<Candidate>>> found_;  // by view and source
-  VerifierExamples examples_;
-  std::vector<size_t> examples_until_;  // number of examples after each view
+  std::vector<SearchedView> searched_;  // by increasing view
+  VerifierExamples examples_;           // of these views
+  std::vector<size_t> examples_until_;  // number of examples after each of them
 };
 
+// With a time limit, the first views of all scenes come first: one view of each of many scenes
+// teaches more than many views of one.
+std::vector<size_t> NetworkTrainer::SearchOrder(bool has_limit) const {
+  std::vector<size_t> order(views_.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  const auto per_scene = static_cast<size_t>(options_.views_per_scene);
+  if (has_limit) {
+    std::stable_sort(order.begin(), order.end(),
+                     [&](size_t a, size_t b) { return a % per_scene < b % per_scene; });
+  }
+  return order;
+}
+
+void NetworkTrainer::AddExamples(const SearchedView& searched, VerifierExamples& examples) const {
+  for (const std::vector<Candidate>& of_source : searched.found) {
+    for (const Candidate& candidate : of_source) {
+      examples.features.push_back(candidate.features);
+      examples.right.push_back(IsRight(candidate.hypothesis.X_CO, views_[searched.view], object_,
+                                       refiner_.distances().front()));
+    }
+  }
+}
+
 bool NetworkTrainer::Find(const std::function<bool(double)>& on_share,
-                          const std::optional<VerifierDeadlines::Time>& end) {
+                          const std::optional<TrainingTime>& end) {
   const char* stream = is_known_ ? "training/verifier_view" : "training/verifier_room_view";
   StageSeconds seconds;
-  size_t count = views_.size();  // views that are used
-  found_.resize(count);
-  for (size_t i = 0; i < count; ++i) {
-    if (!on_share(static_cast<double>(i) / count)) return false;
-    Rng rng = Rng::Derive(options_.seed, i, stream);
-    const OrganizedCloud cloud = CloudOf(i);
+  std::optional<StepLimit> limit;
+  if (end) limit.emplace(options_.deadlines->now, *end);
+  for (const size_t view : SearchOrder(limit.has_value())) {
+    const auto done = static_cast<int>(searched_.size());
+    if (!on_share(static_cast<double>(done) / static_cast<double>(views_.size()))) return false;
+    if (limit && done >= kMinScenes && limit->IsOver(done)) break;
+    Rng rng = Rng::Derive(options_.seed, view, stream);
+    const OrganizedCloud cloud = CloudOf(view);
+    SearchedView& searched = searched_.emplace_back(SearchedView{view, {}});
     for (const CandidateSource* source : sources_) {
-      for (const Candidate& candidate : found_[i].emplace_back(source->Find(cloud, rng, seconds))) {
-        examples_.features.push_back(candidate.features);
-        examples_.right.push_back(
-            IsRight(candidate.hypothesis.X_CO, views_[i], object_, refiner_.distances().front()));
-      }
+      searched.found.push_back(source->Find(cloud, rng, seconds));
     }
-    examples_until_.push_back(examples_.features.size());
-    const bool is_enough =
-        i + 1 >= static_cast<size_t>(kMinScenes) * options_.views_per_scene || i + 1 == count;
-    if (is_enough && end && IsPast(*end)) count = i + 1;
   }
-  found_.resize(count);
+  std::ranges::sort(searched_, {}, &SearchedView::view);
+  for (const SearchedView& searched : searched_) {
+    AddExamples(searched, examples_);
+    examples_until_.push_back(examples_.features.size());
+  }
   return true;
 }
 
 TrainedNetwork NetworkTrainer::TrainKnown(Verifier& verifier) const {
-  const size_t learned =
-      found_.size() - static_cast<size_t>(options_.calibration_share * found_.size());
+  const size_t count = searched_.size();
+  const size_t learned = count - static_cast<size_t>(options_.calibration_share * count);
   VerifierExamples examples = examples_;
   if (learned > 0) examples.held_out_from = examples_until_[learned - 1];
   const TrainedNetwork trained = TrainVerifier(examples, options_.verifier, options_.seed);
   verifier.known = verifier.unknown = trained.network;
   Reported reported;
-  for (size_t i = learned; i < found_.size(); ++i) Report(verifier, i, reported);
+  for (size_t i = learned; i < count; ++i) Report(verifier, searched_[i], reported);
   CalibrateScores(reported, verifier);
   return trained;
 }
@@ -319,8 +364,8 @@ void NetworkTrainer::TrainUnknown(Verifier& verifier) const {
     if (right == 0 || right == static_cast<std::ptrdiff_t>(others.right.size())) continue;
     Verifier without = verifier;
     without.unknown = TrainVerifier(others, options_.verifier, options_.seed).network;
-    for (size_t i = 0; i < found_.size(); ++i) {
-      if (FoldOf(i) == fold) Report(without, i, reported);
+    for (const SearchedView& searched : searched_) {
+      if (FoldOf(searched.view) == fold) Report(without, searched, reported);
     }
   }
   verifier.unknown = TrainVerifier(examples_, options_.verifier, options_.seed).network;
@@ -336,24 +381,21 @@ size_t NetworkTrainer::FoldOf(size_t view) const {
 
 VerifierExamples NetworkTrainer::ExamplesWithout(size_t fold) const {
   VerifierExamples others;
-  for (size_t i = 0; i < found_.size(); ++i) {
-    if (FoldOf(i) == fold) continue;
-    for (size_t k = i > 0 ? examples_until_[i - 1] : 0; k < examples_until_[i]; ++k) {
-      others.features.push_back(examples_.features[k]);
-      others.right.push_back(examples_.right[k]);
-    }
+  for (const SearchedView& searched : searched_) {
+    if (FoldOf(searched.view) != fold) AddExamples(searched, others);
   }
   return others;
 }
 
-void NetworkTrainer::Report(const Verifier& verifier, size_t view, Reported& reported) const {
-  const OrganizedCloud cloud = CloudOf(view);
+void NetworkTrainer::Report(const Verifier& verifier, const SearchedView& searched,
+                            Reported& reported) const {
+  const OrganizedCloud cloud = CloudOf(searched.view);
   PoseSelectionOptions all;
   all.min_score = kNoScore;
   for (size_t s = 0; s < sources_.size(); ++s) {
     const auto set = SelectPoses(cloud, refiner_.model_points(), refiner_.distances(),
-                                 {&verifier, 1}, found_[view][s], all);
-    const auto judged = Judge(set, views_[view], object_, refiner_.distances().front());
+                                 {&verifier, 1}, searched.found[s], all);
+    const auto judged = Judge(set, views_[searched.view], object_, refiner_.distances().front());
     const BackgroundKind kind = is_known_ ? BackgroundKind::kKnown : cloud.background;
     auto& poses = reported[static_cast<size_t>(kind)][s];
     poses.insert(poses.end(), judged.begin(), judged.end());
@@ -384,23 +426,28 @@ TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set, Obj
   const double clutter_share =
       scenes / std::max(1.0, scenes + static_cast<double>(training_set.rooms.size()));
   TrainedVerifier trained;
-  std::optional<VerifierDeadlines::Time> end;
-  if (options.deadlines) end = options.deadlines->candidates;
+  std::optional<TrainingTime> end;
+  if (options.deadlines) end = options.deadlines->end;
   if (training_set.clutter_scenes.empty()) {
     CheckInput(start != nullptr, "the verifier needs clutter scenes; raise clutter_scenes");
     trained = *start;
   } else {
     NetworkTrainer known(training_set.clutter_scenes, true, object, sources, options);
-    std::optional<VerifierDeadlines::Time> clutter_end = end;
+    std::optional<TrainingTime> clutter_end = end;
     if (end) {
-      const auto now = std::chrono::steady_clock::now();
-      clutter_end = now + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                              clutter_share * (*end - now));
+      const TrainingTime now = options.deadlines->now();
+      clutter_end = Later(now, clutter_share * SecondsBetween(now, *end));
     }
     if (!known.Find([&](double share) { return on_share(clutter_share * share); }, clutter_end)) {
       return {};
     }
+    const TrainingTime fit_began = end ? options.deadlines->now() : TrainingTime();
     trained.auc = known.TrainKnown(trained.verifier).auc;
+    if (end) {
+      // The fits for unknown backgrounds, one per fold and one for all, take about as long each.
+      const double fit_s = SecondsBetween(fit_began, options.deadlines->now());
+      end = Later(*end, -fit_s * static_cast<double>(kFolds + 1));
+    }
   }
   const auto& known_calibrations = trained.verifier.calibrations.front();
   NetworkTrainer unknown(training_set.rooms, false, object, sources, options);

@@ -8,7 +8,6 @@
 // logistic calibration (Platt 1999). For known backgrounds these are views that were held out, for
 // unknown ones the scores are cross-fitted.
 
-#include <chrono>
 #include <functional>
 #include <optional>
 #include <span>
@@ -17,18 +16,20 @@
 #include "perception/candidates/pose_selection.h"
 #include "perception/candidates/vote_candidates.h"
 #include "perception/features/labelled_patches.h"
+#include "perception/training/training_clock.h"
 #include "perception/training/verifier_fit.h"
 #include "scenes/base/ids.h"
 #include "scenes/labelled_view.h"
 
 namespace pickbed::perception {
 
-// End of the two long parts of a verifier's training, for a training with a time limit. Each part
-// still does its smallest useful amount. The result then depends on the speed of the machine.
+// Ends of the parts of a verifier's training, for a training with a time limit. Each part still
+// does its smallest useful amount: four clutter scenes and four rooms are rendered, and one view of
+// each is searched. The result then depends on the speed of the machine.
 struct VerifierDeadlines {
-  using Time = std::chrono::steady_clock::time_point;
-  Time views;       // of rendering the clutter scenes
-  Time candidates;  // of finding candidates in them
+  TrainingTime views;  // of rendering the clutter scenes and rooms
+  TrainingTime end;    // of the whole verifier; candidates are found until the fits need the rest
+  TrainingClock now = std::chrono::steady_clock::now;
 };
 
 struct VerifierTrainingOptions {
