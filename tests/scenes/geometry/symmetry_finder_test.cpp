@@ -137,24 +137,46 @@ TEST(FindSymmetries, TransformWithTheMesh) {
 
 // A prism whose corners are off by up to 0.4 % of its diameter has the exact group of the prism.
 TEST(FindSymmetries, RotationsAreExactFractionsOfATurn) {
-  TriangleMesh mesh = Prism(6, 0.05, 0.04);
-  Rng rng(3);
-  for (Vector3d& p : mesh.vertices) {
-    for (int k = 0; k < 3; ++k) p[k] += rng.Uniform(-4e-4, 4e-4);
+  for (const int sides : {3, 4, 6}) {
+    SCOPED_TRACE(sides);
+    TriangleMesh mesh = Prism(sides, 0.05, 0.04);
+    Rng rng(3);
+    for (Vector3d& p : mesh.vertices) {
+      for (int k = 0; k < 3; ++k) p[k] += rng.Uniform(-4e-4, 4e-4);
+    }
+    const SymmetrySet found = FindSymmetries(mesh);
+    ASSERT_EQ(found.discrete_O.size(), 2u * sides - 1);
+    int about_z = 0, flips = 0;
+    for (const Pose& S : found.discrete_O) {
+      const Eigen::AngleAxisd turn(S.linear());
+      EXPECT_LT(S.translation().norm(), 1e-12) << "the axes meet in the origin";
+      const bool is_about_z = std::abs(turn.axis().z()) > 1 - 1e-12;
+      const double steps = turn.angle() / (2 * std::numbers::pi / sides);
+      const double flipped = turn.angle() / std::numbers::pi;
+      EXPECT_NEAR(is_about_z ? steps : flipped, std::round(is_about_z ? steps : flipped), 1e-9);
+      about_z += is_about_z;
+      flips += std::abs(turn.axis().z()) < 1e-12;
+    }
+    EXPECT_EQ(about_z, sides - 1);
+    EXPECT_EQ(flips, sides);
   }
-  const SymmetrySet found = FindSymmetries(mesh);
-  ASSERT_EQ(found.discrete_O.size(), 11u);
-  int about_z = 0, flips = 0;
-  for (const Pose& S : found.discrete_O) {
-    const Eigen::AngleAxisd turn(S.linear());
-    EXPECT_LT(S.translation().norm(), 1e-12) << "the axes meet in the origin";
-    const double sixths = turn.angle() / (std::numbers::pi / 3);
-    EXPECT_NEAR(sixths, std::round(sixths), 1e-9);
-    about_z += std::abs(turn.axis().z()) > 1 - 1e-12;
-    flips += std::abs(turn.axis().z()) < 1e-12;
+}
+
+// The mesh of a scan has any frame, and its vertices are noisy.
+TEST(FindSymmetries, DentsAndNoiseDoNotHideABodyOfRevolutionInAnyFrame) {
+  TriangleMesh scan = TurnedCup(0.004);
+  Rng rng(5);
+  for (Vector3d& p : scan.vertices) {
+    for (int k = 0; k < 3; ++k) p[k] += rng.Uniform(-2e-4, 2e-4);
   }
-  EXPECT_EQ(about_z, 5);
-  EXPECT_EQ(flips, 6);
+  const Pose X_AB = MakePose(
+      Eigen::Quaterniond(0.6, -0.4, 0.3, 0.5).normalized().toRotationMatrix(), {0.1, 0.2, -0.3});
+  const SymmetrySet found = FindSymmetries(Transformed(scan, X_AB));
+  ASSERT_EQ(found.continuous_O.size(), 1u);
+  const Vector3d axis_A = X_AB.linear().col(2);
+  EXPECT_LT(found.continuous_O[0].axis_O.cross(axis_A).norm(), 0.02);
+  const Vector3d off = found.continuous_O[0].offset_O - X_AB.translation();
+  EXPECT_LT(off.cross(axis_A).norm(), 0.001);
 }
 
 // The symmetries that the part families declare are found from the meshes.
