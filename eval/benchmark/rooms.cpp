@@ -13,7 +13,7 @@
 namespace pickbed::eval {
 namespace {
 
-constexpr double kMinCountedScore = 0.05;  // of the poses that the calibration error counts
+constexpr char kAll[] = "all";
 
 struct RoomKind {
   const char* name;
@@ -35,33 +35,48 @@ AttemptScore ScoreOf(const LabelledView& view, const std::vector<MetricModel>& m
   return ScoreAgainstTruth(matcher, Camera{view.frame.intrinsics, Pose::Identity()}, poses);
 }
 
-// Images of one row.
-struct Group {
-  ComparedRow all;       // poses from kMinCountedScore
-  ComparedRow reported;  // poses from the minimum score
-};
+std::vector<ForecastOutcome> ForecastsOf(const RoomEstimate& estimate) {
+  std::vector<ForecastOutcome> forecasts;
+  for (const ScoredHypothesis& pose : estimate.image.score.hypotheses) {
+    forecasts.push_back({pose.record.score, pose.recalled >= 0});
+  }
+  return forecasts;
+}
 
-RoomsRow RowOf(const std::string& rooms, const std::string& background, const Group& group) {
+// Drops poses with a lower score. The poses that recall instances are taken by decreasing score, so
+// the others stay as they are.
+void KeepReported(double min_score, AttemptScore& score) {
+  std::erase_if(score.hypotheses,
+                [&](const ScoredHypothesis& pose) { return pose.record.score < min_score; });
+  for (InstanceRecord& instance : score.instances) instance.recalled = false;
+  for (const ScoredHypothesis& pose : score.hypotheses) {
+    if (pose.recalled >= 0) score.instances[pose.recalled].recalled = true;
+  }
+}
+
+RoomsRow RowOf(const std::string& rooms, const std::string& background,
+               const std::vector<const RoomEstimate*>& estimates, double min_score) {
   RoomsRow row{rooms, background};
-  const ComparisonStatistics all = StatisticsOf(group.all);
-  const ComparisonStatistics reported = StatisticsOf(group.reported);
-  row.images = reported.bins;
-  row.instances = reported.instances;
-  row.recalled = reported.recalled;
-  row.poses = reported.poses;
-  row.right = reported.right;
-  row.calibration_error = all.calibration_error;
-  row.seconds = all.seconds;
-  for (const ComparedImage& image : group.all.images) {
+  ComparedRow reported;
+  ForecastClusters forecasts;
+  for (const RoomEstimate* estimate : estimates) {
+    forecasts.push_back(ForecastsOf(*estimate));
+    ComparedImage image = estimate->image;
     for (const ScoredHypothesis& pose : image.score.hypotheses) {
       if (pose.recalled < 0) row.highest_false = std::max(row.highest_false, pose.record.score);
     }
+    KeepReported(min_score, image.score);
+    reported.images.push_back(std::move(image));
   }
+  const ComparisonStatistics statistics = StatisticsOf(reported);
+  row.images = statistics.bins;
+  row.instances = statistics.instances;
+  row.recalled = statistics.recalled;
+  row.poses = statistics.poses;
+  row.right = statistics.right;
+  row.seconds = statistics.seconds;
+  row.calibration_error = QualityOf(forecasts).calibration_error;
   return row;
-}
-
-const char* BackgroundName(bool given, bool found) {
-  return given ? "given" : found ? "fitted" : "unknown";
 }
 
 double ShareOf(int hits, int samples, double without_samples) {
@@ -70,22 +85,23 @@ double ShareOf(int hits, int samples, double without_samples) {
 
 }  // namespace
 
-std::vector<RoomsRow> RunRooms(LabelledViewSource& views, const EstimatorSpec& spec,
-                               const RoomsOptions& options,
-                               const std::function<bool(int, int)>& on_progress) {
+std::vector<RoomEstimate> EstimateRooms(LabelledViewSource& views, const EstimatorSpec& spec,
+                                        const RoomsOptions& options,
+                                        const std::function<bool(int, int)>& on_progress) {
+  constexpr int kWithoutPlanes = 2;  // every second image
   const RoomKind kinds[] = {{"bin", "rooms/bin", Surroundings::kRoomAndBin, options.bins},
                             {"table", "rooms/table", Surroundings::kRoomNoBin, options.tables},
                             {"empty", "rooms/empty", Surroundings::kEmptyRoom, options.empty}};
   std::vector<MetricModel> metrics;
   for (const auto& model : views.objects()) metrics.push_back(MakeMetricModel(*model));
   EstimatorSpec low = spec;
-  low.min_score = kMinCountedScore;
+  low.min_score = kMinRoomScore;
   std::optional<ImageEstimator> estimator;
-  std::map<std::pair<std::string, std::string>, Group> groups;
+  std::vector<RoomEstimate> estimates;
   const int total = options.bins + options.tables + options.empty;
   int done = 0;
   for (const RoomKind& kind : kinds) {
-    for (int i = 0; i < kind.images; ++i) {
+    for (int i = 0; i < kind.images; ++i, ++done) {
       if (!on_progress(done, total)) return {};
       Rng rng = Rng::Derive(options.seed, i, kind.stream);
       const int objects = static_cast<int>(views.objects().size());
@@ -95,45 +111,65 @@ std::vector<RoomsRow> RunRooms(LabelledViewSource& views, const EstimatorSpec& s
       if (!estimator)
         estimator.emplace(ImageEstimatorSetup{views.objects(), low, "pcl_icp", options.threads},
                           view.frame);
-      for (const bool given : {false, true}) {
-        const EstimatorInput input{view.frame, given ? view.background : std::nullopt};
+      const auto estimate = [&](bool given, bool fits_background) {
+        EstimatorInput input{view.frame, given ? view.background : std::nullopt};
+        input.fits_background = fits_background;
         Rng search = Rng::Derive(options.seed, i, "rooms/search");
         const auto start = std::chrono::steady_clock::now();
         const EstimateResult found = estimator->Estimate(input, search);
         const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-        ComparedImage all{done, ScoreOf(view, metrics, found.hypotheses), found.seconds};
-        all.seconds["estimate"] = taken.count();
-        std::vector<PoseHypothesis> reported = found.hypotheses;
-        std::erase_if(reported, [&](const auto& pose) { return pose.score < spec.min_score; });
-        const ComparedImage kept{done, ScoreOf(view, metrics, reported), all.seconds};
-        const std::string background = BackgroundName(given, found.has_background);
-        const auto add = [&](const std::string& rooms, const std::string& of) {
-          Group& group = groups[{of, rooms}];
-          group.all.images.push_back(all);
-          group.reported.images.push_back(kept);
-        };
-        add(kind.name, given ? "given" : "all");
-        add("all", background);
-      }
-      ++done;
+        ComparedImage image{done, ScoreOf(view, metrics, found.hypotheses), found.seconds};
+        image.seconds["estimate"] = taken.count();
+        const char* background = given                  ? kGivenBackground
+                                 : found.has_background ? kFittedBackground
+                                                        : kUnknownBackground;
+        estimates.push_back({kind.name, background, fits_background, std::move(image)});
+      };
+      estimate(true, true);
+      estimate(false, true);
+      if (i % kWithoutPlanes == 0) estimate(false, false);
     }
   }
+  return estimates;
+}
+
+ForecastClusters RoomForecasts(const std::vector<RoomEstimate>& estimates,
+                               const std::string& background) {
+  ForecastClusters forecasts;
+  for (const RoomEstimate& estimate : estimates) {
+    if (estimate.background == background) forecasts.push_back(ForecastsOf(estimate));
+  }
+  return forecasts;
+}
+
+std::vector<RoomsRow> RoomsRowsOf(const std::vector<RoomEstimate>& estimates, double min_score) {
+  std::map<std::pair<std::string, std::string>, std::vector<const RoomEstimate*>> groups;
+  for (const RoomEstimate& estimate : estimates) {
+    const bool given = estimate.background == kGivenBackground;
+    groups[{estimate.background, kAll}].push_back(&estimate);
+    if (!estimate.fits_background) continue;
+    groups[{given ? kGivenBackground : kAll, estimate.rooms}].push_back(&estimate);
+  }
   std::vector<RoomsRow> rows;
-  for (const auto& [key, group] : groups) rows.push_back(RowOf(key.second, key.first, group));
+  for (const auto& [key, group] : groups) {
+    rows.push_back(RowOf(key.second, key.first, group, min_score));
+  }
   return rows;
 }
 
 std::string RoomsText(const std::vector<RoomsRow>& rows) {
-  std::string text = fmt::format("{:<8}{:<12}{:>7}{:>11}{:>8}{:>7}{:>11}{:>13}{:>7}{:>10}{:>9}\n",
+  std::string text = fmt::format("{:<8}{:<12}{:>7}{:>11}{:>8}{:>7}{:>11}{:>13}{:>21}{:>10}{:>9}\n",
                                  "rooms", "background", "images", "instances", "recall", "poses",
-                                 "precision", "false/image", "ECE", "max false", "seconds");
+                                 "precision", "false/image", "ECE [95 %]", "max false", "seconds");
   for (const RoomsRow& row : rows) {
+    const Interval& interval = row.calibration_error.ci95;
+    std::string error = fmt::format("{:.3f}", row.calibration_error.value);
+    if (interval.is_known()) error += fmt::format(" [{:.3f}, {:.3f}]", interval.low, interval.high);
     text += fmt::format(
-        "{:<8}{:<12}{:>7}{:>11}{:>8.3f}{:>7}{:>11.3f}{:>13.3f}{:>7.3f}{:>10.2f}"
-        "{:>9.2f}\n",
-        row.rooms, row.background, row.images, row.instances,
-        ShareOf(row.recalled, row.instances, 0), row.poses, ShareOf(row.right, row.poses, 1),
-        static_cast<double>(row.poses - row.right) / std::max(1, row.images), row.calibration_error,
+        "{:<8}{:<12}{:>7}{:>11}{:>8.3f}{:>7}{:>11.3f}{:>13.3f}{:>21}{:>10.2f}{:>9.2f}\n", row.rooms,
+        row.background, row.images, row.instances, ShareOf(row.recalled, row.instances, 0),
+        row.poses, ShareOf(row.right, row.poses, 1),
+        static_cast<double>(row.poses - row.right) / std::max(1, row.images), error,
         row.highest_false, row.seconds);
   }
   return text;
@@ -142,22 +178,29 @@ std::string RoomsText(const std::vector<RoomsRow>& rows) {
 ResultColumns RoomsColumns() {
   return {
       {"rooms", "kind of the rooms: bin, table, empty (no object), or all"},
-      {"background", "given, fitted (planes were found), unknown, or all that are not given"},
+      {"background",
+       "given, fitted (planes were found), unknown (none was found or looked for), or all that are "
+       "not given and in which planes were looked for"},
       {"images", "number of images"},
       {"instances", "number of instances at least 10 % visible"},
       {"recalled", "number of these that are recalled"},
       {"poses", "number of poses with at least the minimum score"},
       {"right", "number of these that are right"},
       {"calibration_error", "expected calibration error of all scores of at least 0.05", "0..1"},
+      {"calibration_error_low", "lower end of its 95 % interval; empty with few images", "0..1"},
+      {"calibration_error_high", "upper end of its 95 % interval; empty with few images", "0..1"},
       {"highest_false", "highest score of a wrong pose", "0..1"}};
 }
 
 std::string RoomsCsv(const std::vector<RoomsRow>& rows) {
   std::string csv = HeaderLine(RoomsColumns());
   for (const RoomsRow& row : rows) {
-    csv += fmt::format("{},{},{},{},{},{},{},{:.4f},{:.4f}\n", row.rooms, row.background,
+    const Interval& interval = row.calibration_error.ci95;
+    const std::string ends =
+        interval.is_known() ? fmt::format("{:.4f},{:.4f}", interval.low, interval.high) : ",";
+    csv += fmt::format("{},{},{},{},{},{},{},{:.4f},{},{:.4f}\n", row.rooms, row.background,
                        row.images, row.instances, row.recalled, row.poses, row.right,
-                       row.calibration_error, row.highest_false);
+                       row.calibration_error.value, ends, row.highest_false);
   }
   return csv;
 }

@@ -93,16 +93,18 @@ RgbdFrame BinnedFrame(const RgbdFrame& frame, int factor) {
 }
 
 OrganizedCloud SearchCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
-                           int factor, const Image<uint8_t>* region) {
+                           int factor, const Image<uint8_t>* region, bool fits_background) {
+  CloudOptions options;
+  if (!fits_background) options.min_plane_share = 1;
   const CameraIntrinsics& k = frame.intrinsics;
   // BuildCloud() refuses images of other sizes than the intrinsics.
   const bool valid = frame.depth_m.width() == k.width() && frame.depth_m.height() == k.height() &&
                      (frame.color.empty() ||
                       (frame.color.width() == k.width() && frame.color.height() == k.height()));
-  if (factor == 1 || !valid) return BuildCloud(frame, background, {}, region);
+  if (factor == 1 || !valid) return BuildCloud(frame, background, options, region);
   std::optional<Image<uint8_t>> binned_region;
   if (region != nullptr) binned_region = BinnedRegion(*region, factor);
-  OrganizedCloud cloud = BuildCloud(BinnedFrame(frame, factor), background, {},
+  OrganizedCloud cloud = BuildCloud(BinnedFrame(frame, factor), background, options,
                                     binned_region ? &*binned_region : nullptr);
   cloud.edges = FindColorEdges(k, frame.color);
   return cloud;

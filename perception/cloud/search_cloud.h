@@ -26,8 +26,9 @@ RgbdFrame BinnedFrame(const RgbdFrame& frame, int factor);
 double SmallestDiameter_m(const ObjectSet& objects);
 
 // Preprocesses a frame as BuildCloud() does, after binning by `factor`; see BinningFor(). A block
-// is in the region if its center pixel is.
+// is in the region if its center pixel is. Without `fits_background`, no plane is looked for.
 OrganizedCloud SearchCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
-                           int factor, const Image<uint8_t>* region = nullptr);
+                           int factor, const Image<uint8_t>* region = nullptr,
+                           bool fits_background = true);
 
 }  // namespace pickbed::perception

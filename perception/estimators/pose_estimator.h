@@ -49,6 +49,8 @@ struct EstimatorInput {
   // these pixels propose poses, and background planes are fitted to them. An estimator that is
   // another program does not get it. Poses outside are not removed.
   const Image<uint8_t>* region = nullptr;
+  // False: without a given background, no plane is looked for.
+  bool fits_background = true;
 };
 
 // Why an estimator that is another program gave no poses.

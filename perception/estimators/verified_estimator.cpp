@@ -17,7 +17,8 @@ class VerifiedEstimator : public PoseEstimator {
     OrganizedCloud cloud;
     {
       const StageTimer timer(result.seconds, "cloud");
-      cloud = SearchCloud(input.frame, input.background, setup_.binning, input.region);
+      cloud = SearchCloud(input.frame, input.background, setup_.binning, input.region,
+                          input.fits_background);
     }
     result.has_background = input.background.has_value() || !cloud.planes.empty();
     result.domain_warnings = DomainWarnings(DomainOf(cloud));

@@ -30,19 +30,21 @@ int RunRoomsTable(const RoomsArguments& arguments) {
   const std::filesystem::path folder = OutFolder(arguments.out, "rooms");
   MakeFolder(folder);
   CatchInterrupts();
-  std::vector<RoomsRow> rows;
+  std::vector<RoomEstimate> estimates;
   {
     ProgressLine progress;
     ProgressState state;
     state.what = "image";
-    rows = RunRooms(*MakeTrainingViews(set), spec, arguments.rooms, [&](int done, int total) {
-      state.done = done;
-      state.total = total;
-      progress.Show(state);
-      return !Interrupted();
-    });
+    estimates =
+        EstimateRooms(*MakeTrainingViews(set), spec, arguments.rooms, [&](int done, int total) {
+          state.done = done;
+          state.total = total;
+          progress.Show(state);
+          return !Interrupted();
+        });
   }
-  if (rows.empty()) return kExitInterrupted;
+  if (estimates.empty()) return kExitInterrupted;
+  const std::vector<RoomsRow> rows = RoomsRowsOf(estimates, arguments.min_score);
   WriteFileAtomically(folder / kRoomsFile, RoomsCsv(rows));
   fmt::print("{}{} in {}\n", RoomsText(rows), kRoomsFile, folder.string());
   return 0;
@@ -55,8 +57,7 @@ int BenchmarkRoomsCommand(int argc, char** argv) {
       "Estimates poses in simulated rooms whose background is not known: objects in bins, objects "
       "on "
       "tables among other things, and no object at all. The same images are also estimated with "
-      "the "
-      "given bin.",
+      "the given bin, and every second without looking for planes.",
       "pickbed benchmark rooms");
   RoomsArguments arguments;
   app.add_option("OBJECT", arguments.objects.objects, "objects of the catalog");

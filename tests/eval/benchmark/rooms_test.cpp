@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "eval/metrics/metric_table.h"
 #include "eval/train/job.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
@@ -22,7 +25,7 @@ RoomsRow RowOf(const std::vector<RoomsRow>& rows, const std::string& rooms,
 }
 
 // The same image is estimated without and with the given bin.
-TEST(RunRooms, CountsImagesInstancesAndPoses) {
+TEST(EstimateRooms, CountsImagesInstancesAndPoses) {
   RayCastViews views({ObjectOf(BracketMesh())});
   EstimatorSpec spec;
   spec.name = "ppf";
@@ -33,11 +36,13 @@ TEST(RunRooms, CountsImagesInstancesAndPoses) {
   options.tables = 0;
   options.empty = 0;
   int calls = 0;
-  const std::vector<RoomsRow> rows = RunRooms(views, spec, options, [&](int done, int total) {
-    EXPECT_EQ(done, calls++);
-    EXPECT_EQ(total, 1);
-    return true;
-  });
+  const std::vector<RoomEstimate> estimates =
+      EstimateRooms(views, spec, options, [&](int done, int total) {
+        EXPECT_EQ(done, calls++);
+        EXPECT_EQ(total, 1);
+        return true;
+      });
+  const std::vector<RoomsRow> rows = RoomsRowsOf(estimates, spec.min_score);
   const RoomsRow bin = RowOf(rows, "bin", "all"), given = RowOf(rows, "bin", "given");
   EXPECT_EQ(bin.images, 1);
   EXPECT_GT(bin.instances, 0);
@@ -47,12 +52,36 @@ TEST(RunRooms, CountsImagesInstancesAndPoses) {
   const RoomsRow all = RowOf(rows, "all", "given");
   EXPECT_EQ(all.images, 1);
   EXPECT_EQ(all.poses, given.poses);
-  EXPECT_TRUE(RunRooms(views, spec, options, [](int, int) { return false; }).empty());
+  // No plane is found, and in every second image none is looked for.
+  EXPECT_EQ(RowOf(rows, "all", "unknown").images, 2);
+  EXPECT_TRUE(EstimateRooms(views, spec, options, [](int, int) { return false; }).empty());
+}
+
+// A pose below the minimum score recalls nothing, but it counts for the calibration.
+TEST(RoomsRowsOf, ReportsPosesFromTheMinimumScore) {
+  RoomEstimate estimate{"bin", kFittedBackground};
+  estimate.image.score.instances.resize(2);
+  for (InstanceRecord& instance : estimate.image.score.instances) {
+    instance.visible_fraction = 1;
+    instance.recalled = true;
+  }
+  for (const double score : {0.8, 0.4}) {
+    ScoredHypothesis& pose = estimate.image.score.hypotheses.emplace_back();
+    pose.record.score = score;
+    pose.record.metrics = InfiniteMetrics();
+    pose.recalled = score > 0.5 ? 0 : 1;
+  }
+  const RoomsRow row = RowOf(RoomsRowsOf({estimate}, 0.5), "bin", "all");
+  EXPECT_EQ(row.poses, 1);
+  EXPECT_EQ(row.right, 1);
+  EXPECT_EQ(row.instances, 2);
+  EXPECT_EQ(row.recalled, 1);
+  EXPECT_NEAR(row.calibration_error.value, (0.2 + 0.6) / 2, 1e-12);
 }
 
 // Walls, tables and boxes look like hidden mugs to a verifier that has seen only bins: it reports
 // 17 poses in 6 such rooms.
-TEST(RunRooms, ShippedVerifiersReportNothingInEmptyRooms) {
+TEST(EstimateRooms, ShippedVerifiersReportNothingInEmptyRooms) {
   TrainingSetChoice choice;
   choice.objects = {"mug"};
   EstimatorSpec spec;
@@ -61,9 +90,48 @@ TEST(RunRooms, ShippedVerifiersReportNothingInEmptyRooms) {
   options.bins = options.tables = 0;
   options.empty = 4;
   const auto views = MakeTrainingViews(PlanTrainingSet(choice));
-  const std::vector<RoomsRow> rows = RunRooms(*views, spec, options, [](int, int) { return true; });
+  const std::vector<RoomsRow> rows = RoomsRowsOf(
+      EstimateRooms(*views, spec, options, [](int, int) { return true; }), spec.min_score);
   EXPECT_EQ(RowOf(rows, "empty", "all").images, 4);
   EXPECT_LE(RowOf(rows, "empty", "all").poses, 1);
+}
+
+// Raises the probabilities to a power.
+ForecastClusters Raised(ForecastClusters forecasts, double exponent) {
+  for (auto& image : forecasts) {
+    for (ForecastOutcome& forecast : image) {
+      forecast.probability = std::pow(forecast.probability, exponent);
+    }
+  }
+  return forecasts;
+}
+
+// For each kind of background, the interval of the calibration error includes 0, so the scores may
+// be probabilities. It does not include 0 for a planted error. This takes some seconds, because it
+// needs about 20 estimates.
+TEST(EstimateRooms, ScoresAreReliableForEachBackground) {
+  constexpr double kBound = 0.01;
+  constexpr double kPlantedExponent = 8;
+  TrainingSetChoice choice;
+  choice.objects = {"bracket"};
+  EstimatorSpec spec;
+  spec.mode = "fast";
+  RoomsOptions options;
+  options.bins = 5;
+  options.tables = 4;
+  options.empty = 0;
+  const auto views = MakeTrainingViews(PlanTrainingSet(choice));
+  const std::vector<RoomEstimate> estimates =
+      EstimateRooms(*views, spec, options, [](int, int) { return true; });
+  for (const char* background : {kGivenBackground, kFittedBackground, kUnknownBackground}) {
+    SCOPED_TRACE(background);
+    const ForecastClusters forecasts = RoomForecasts(estimates, background);
+    const Interval error = QualityOf(forecasts).calibration_error.ci95;
+    EXPECT_TRUE(error.is_known());
+    EXPECT_LT(error.low, kBound);
+    const Interval planted = QualityOf(Raised(forecasts, kPlantedExponent)).calibration_error.ci95;
+    EXPECT_GT(planted.low, kBound);
+  }
 }
 
 TEST(RoomsText, ShowsRates) {
@@ -73,12 +141,15 @@ TEST(RoomsText, ShowsRates) {
   row.recalled = 6;
   row.poses = 10;
   row.right = 5;
-  row.calibration_error = 0.0625;
+  row.calibration_error = {0.0625, {0.01, 0.125}};
   const std::string text = RoomsText({row});
   EXPECT_THAT(text, HasSubstr("0.750"));  // recall
   EXPECT_THAT(text, HasSubstr("0.500"));  // precision
   EXPECT_THAT(text, HasSubstr("1.250"));  // false poses per image
-  EXPECT_THAT(RoomsCsv({row}), HasSubstr("bin,all,4,8,6,10,5,0.0625,0.0000\n"));
+  EXPECT_THAT(RoomsCsv({row}), HasSubstr("bin,all,4,8,6,10,5,0.0625,0.0100,0.1250,0.0000\n"));
+  EXPECT_THAT(text, HasSubstr("0.062 [0.010, 0.125]"));
+  row.calibration_error.ci95 = Interval::Unknown();
+  EXPECT_THAT(RoomsCsv({row}), HasSubstr("0.0625,,,0.0000\n"));
 }
 
 }  // namespace
