@@ -26,18 +26,6 @@ std::string LowerExtension(const fs::path& path) {
   return extension;
 }
 
-// A text PLY has each element in a line. assimp repeats the last line if some are missing.
-void CheckLines(const fs::path& path, std::ifstream& file, size_t elements) {
-  size_t lines = 0;
-  for (std::string line; lines < elements && std::getline(file, line);) {
-    lines += line.find_first_not_of(" \t\r") != std::string::npos;
-  }
-  if (lines < elements) {
-    RefuseUnreadable(path, fmt::format("its header names {} elements, but it has {} lines of them",
-                                       elements, lines));
-  }
-}
-
 // Reads the header of a PLY file. assimp 5.2 never returns from one without end. Returns the number
 // of faces.
 size_t CheckPlyHeader(const fs::path& path) {
@@ -45,15 +33,10 @@ size_t CheckPlyHeader(const fs::path& path) {
   const uintmax_t size = fs::file_size(path);
   std::ifstream file(path, std::ios::binary);
   std::string line;
-  size_t faces = 0, elements = 0;
-  bool is_text = false;
+  size_t faces = 0;
   for (bool first = true; std::getline(file, line); first = false) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (line == "end_header") {
-      if (is_text) CheckLines(path, file, elements);
-      return faces;
-    }
-    is_text |= line.starts_with("format ascii");
+    if (line == "end_header") return faces;
     if (first && line != "ply") break;
     if (line.size() > kLongestLine) break;
     size_t count = 0;
@@ -62,7 +45,6 @@ size_t CheckPlyHeader(const fs::path& path) {
       CheckFaceCount(path, faces);
     }
     if (std::sscanf(line.c_str(), "element %*s %zu", &count) != 1) continue;
-    elements += count;
     // Each element takes a byte or more.
     if (count > size) {
       RefuseUnreadable(path, fmt::format("its header names {} elements, which {} bytes have no "
