@@ -39,7 +39,8 @@ float CompletedVolume::At(const Eigen::Vector3f& p_C) const {
 }
 
 Eigen::Vector3f CompletedVolume::Gradient(const Eigen::Vector3f& p_C) const {
-  Eigen::Vector3f gradient;
+  Eigen::Vector3f gradient = Eigen::Vector3f::Zero();
+  if (empty()) return gradient;
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3f step = 0.5f * cell_m * Eigen::Vector3f::Unit(axis);
     gradient[axis] = (At(p_C + step) - At(p_C - step)) / cell_m;

@@ -75,7 +75,7 @@ void CompletionInput::FindCube(const SegmentView& view, const Image<uint8_t>& oc
         if (occluders(x, y)) rays.push_back(BackProject(k, x, y, 1).head<2>().cast<float>());
         continue;
       }
-      if (!(z > 0)) continue;
+      if (!HasReading(z)) continue;
       const Eigen::Vector3f p_C = BackProject(k, x, y, z).cast<float>();
       for (int axis = 0; axis < 3; ++axis) values[axis].push_back(p_C[axis]);
     }
@@ -130,7 +130,7 @@ void CompletionInput::CopyWindow(const SegmentView& view, const Image<uint8_t>& 
   for (int y = 0; y < depth_m_.height(); ++y) {
     for (int x = 0; x < depth_m_.width(); ++x) {
       const float z = view.depth_m(left + x, top + y);
-      if (!(z > 0)) continue;
+      if (!HasReading(z)) continue;
       depth_m_(x, y) = z;
       classes_(x, y) = view.segment(left + x, top + y) ? PixelClass::kSegment
                        : occluders(left + x, top + y)  ? PixelClass::kOccluder

@@ -10,8 +10,6 @@
 namespace pickbed::perception {
 namespace {
 
-bool HasReading(float depth_m) { return depth_m > 0; }  // NaN has none
-
 // Returns the smallest box around the segment, grown by its larger side and cut to the image.
 ImageBox Surroundings(const SegmentView& view) {
   const int width = view.segment.width(), height = view.segment.height();

@@ -2,6 +2,7 @@
 
 // What a completion sees of one part: a depth image and the pixels that show the part.
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -14,6 +15,9 @@ namespace pickbed::perception {
 // Fewer pixels with depth do not suffice for a completion.
 inline constexpr int kMinSegmentPixels = 50;
 
+// Returns whether a depth is a reading. 0, NaN, negative and infinite ones are none.
+inline bool HasReading(float depth_m) { return depth_m > 0 && std::isfinite(depth_m); }
+
 // A plane in the camera frame C: points with normal . p = offset_m.
 struct FloorPlane {
   Eigen::Vector3f normal_C = -Eigen::Vector3f::UnitZ();  // unit, points away from the floor
@@ -24,7 +28,7 @@ struct FloorPlane {
 // The images have the size of the intrinsics. Any window of an image works as well, with the
 // intrinsics of the window.
 struct SegmentView {
-  Image<float> depth_m;    // along camera z; 0 or NaN = no reading
+  Image<float> depth_m;    // along camera z; see HasReading()
   Image<uint8_t> segment;  // not 0 = the pixel shows the part
   // Not 0 = the pixel shows something else that is nearer than the part, so that the part may go
   // on behind it. Empty = MarkOccluders() finds these pixels.
