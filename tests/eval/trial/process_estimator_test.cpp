@@ -137,6 +137,37 @@ TEST_F(FailingProgram, AHangCostsOneAttempt) {
   EXPECT_EQ(result.instances_cleared, 1);
 }
 
+// A program that dies says nothing about the bin. So only failed grasps count towards a stir, and
+// the robot misses the cube by centimetres. The program dies in the second image.
+TEST(ProcessEstimatorTrial, ADeadProgramDoesNotCountTowardsAStir) {
+  const TemporaryFolder folder;
+  const std::string seen = (folder.path() / "seen").string();
+  const auto command = PythonCommand(
+      folder, "dying.py",
+      EstimatorCode("    n = len(open('" + seen + "').read()) if os.path.exists('" + seen +
+                    "') else 0\n    open('" + seen + "', 'a').write('x')\n" +
+                    "    if n == 1: os._exit(9)\n    rows = np.loadtxt('" +
+                    (folder.path() / "truth.txt").string() +
+                    "', ndmin=2)\n    X = rows[:, 1:].reshape(-1, 3, 4)\n"
+                    "    return [pb.Pose('cube', x[:, :3], x[:, 3], r[0]) for x, r in zip(X, "
+                    "rows)]"));
+  ScenarioSpec spec = ProcessScenario(1, command);
+  spec.cell.repeatability_mm = 60;
+  spec.policy.stop = "capture_again";
+  spec.policy.max_failures_in_row = 6;
+  spec.policy.stir.max = 1;
+  spec.policy.stir.after = 5;
+  spec.policy.stir.after_failures = 2;
+  TruthWriter truth(folder.path() / "truth.txt");
+  const TrialResult result = TrialRunner(spec, EasyCube()).Run(BinIndex(0), &truth);
+  ASSERT_GE(result.attempts.size(), 4u);
+  EXPECT_TRUE(result.attempts[0].grasp);
+  EXPECT_EQ(result.attempts[1].failure, FailureReason::kEstimatorCrashed);
+  EXPECT_NE(result.attempts[2].failure, FailureReason::kStirred) << "one grasp failed, not two";
+  EXPECT_TRUE(result.attempts[2].grasp);
+  EXPECT_EQ(result.attempts[3].failure, FailureReason::kStirred) << "two grasps failed";
+}
+
 TEST(ProcessEstimatorTrial, TheFirstImageOfARunNeedsAValidAnswer) {
   const TemporaryFolder folder;
   const auto command =

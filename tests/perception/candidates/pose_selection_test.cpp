@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
+#include "scenes/base/finite_counts.h"
 #include "tests/support/synthetic_depth.h"
 
 namespace pickbed::tests {
@@ -55,6 +58,15 @@ TEST_F(SelectedPosesOfABracket, ScoreIsFromTheVerifierAndMinScoreApplies) {
   EXPECT_EQ(kept[0].score, ByFirstFeature().Score(candidate.features));
   EXPECT_GT(kept[0].score, 0.6);
   EXPECT_TRUE(Select({At(BracketPose(), -0.1f)}, 0.5).empty());
+}
+
+TEST_F(SelectedPosesOfABracket, ScoresThatAreNotFiniteAreDroppedAndCounted) {
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  TakeNotFiniteCounts();
+  const auto kept = Select({At(BracketPose(), kNaN), At(BracketPose(), 0.2f)}, 0);
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_TRUE(std::isfinite(kept[0].score));
+  EXPECT_EQ(TakeNotFiniteCounts(), (StageSeconds{{"not_finite/scores", 1}}));
 }
 
 TEST_F(SelectedPosesOfABracket, ScoreUsesTheRequestedMode) {
