@@ -284,7 +284,9 @@ void ResultsStore::Forget(const std::vector<int>& trials) {
 std::vector<int> ResultsStore::FinishedTrials() const {
   std::vector<int> trials;
   Statement statement(impl_->db, "SELECT trial FROM trials ORDER BY trial");
-  while (statement.Step()) statement.Read(0, trials.emplace_back());
+  ReadAt(impl_->db, "trials", "column 'trial'", [&] {
+    while (statement.Step()) statement.Read(0, trials.emplace_back());
+  });
   return trials;
 }
 
@@ -307,13 +309,15 @@ std::map<int, Cluster> ResultsStore::Outcomes() const {
   statement.Bind(2, FailureReason::kStirred);
   statement.Bind(3, FailureReason::kPhysicsFailed);  // of a stir
   std::map<int, Cluster> outcomes;
-  while (statement.Step()) {
-    int trial = 0;
-    statement.Read(0, trial);
-    Cluster& outcome = outcomes[trial];
-    statement.Read(1, outcome.hits);
-    statement.Read(2, outcome.samples);
-  }
+  ReadAt(impl_->db, "attempts", "numbers of successes", [&] {
+    while (statement.Step()) {
+      int trial = 0;
+      statement.Read(0, trial);
+      Cluster& outcome = outcomes[trial];
+      statement.Read(1, outcome.hits);
+      statement.Read(2, outcome.samples);
+    }
+  });
   return outcomes;
 }
 

@@ -71,7 +71,8 @@ std::string Database::Setting(const std::string& key) const {
   Statement statement(*this, "SELECT value FROM settings WHERE key = ?");
   statement.Bind(1, key);
   std::string value;
-  if (statement.Step()) statement.Read(0, value);
+  if (!statement.Step()) return value;
+  ReadAt(*this, "settings", fmt::format("row '{}'", key), [&] { statement.Read(0, value); });
   return value;
 }
 

@@ -122,6 +122,16 @@ inline constexpr const char* kRestoreAdvice =
 [[noreturn]] void ThrowDamaged(const Database& db, const std::string& table,
                                const std::string& place, const std::string& fault);
 
+// Calls `read`. Its InputError gets file, table and place as ThrowDamaged() names them.
+template <typename Read>
+void ReadAt(const Database& db, const std::string& table, const std::string& place, Read read) {
+  try {
+    read();
+  } catch (const InputError& error) {
+    ThrowDamaged(db, table, place, error.what());
+  }
+}
+
 // Returns the names of the columns of a row, in the order of its Visit().
 template <typename Row>
 std::vector<std::string> ColumnsOf() {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <regex>
 #include <sstream>
 #include <thread>
 
@@ -176,6 +177,14 @@ void SlurmOptions::Validate() const {
   check("time", time, kAllowed);
   check("mem", memory, kAllowed);
   check("options", options, std::string(kAllowed) + " ");
+  static const std::regex kTime("(\\d{1,5}-)?\\d{1,8}(:\\d{1,2}){0,2}|UNLIMITED",
+                                std::regex_constants::icase);
+  CheckInput(
+      time.empty() || std::regex_match(time, kTime),
+      fmt::format("slurm.time = {}: must be minutes, or [DAYS-]HOURS:MINUTES:SECONDS", time));
+  static const std::regex kMemory("\\d{1,9}[KMGT]?B?", std::regex_constants::icase);
+  CheckInput(memory.empty() || std::regex_match(memory, kMemory),
+             fmt::format("slurm.mem = {}: must be a number with K, M, G or T, such as 4G", memory));
 }
 
 std::string JobScript(const SlurmJob& job) {

@@ -375,6 +375,9 @@ KeyPlaces ReadSettingsFile(const std::filesystem::path& file, const VisitFunctio
   ParseYaml(text, file.string());  // its errors name the file
   const CurrentText yaml = WithCurrentNames(text, visit);
   KeyPlaces places = Read(yaml, file.string(), visit);
+  CheckInput(!places.empty(), fmt::format("{}: the file has no settings, so it may be cut short; "
+                                          "get it again, or write at least one setting",
+                                          file.string()));
   if (!yaml.replaced.empty()) ReportDeprecation(DeprecationLine(file.string(), yaml.replaced));
   return places;
 }

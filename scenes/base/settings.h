@@ -69,8 +69,8 @@ using KeyPlaces = std::map<std::string, std::string>;
 
 // Reads a YAML file into the fields that `visit` names; fields without a key in the file keep their
 // values. Names of earlier versions are accepted and reported (SetDeprecationListener()). Returns
-// the place of each key. Throws InputError for a file that cannot be read, invalid YAML, unknown or
-// repeated keys and values that are not allowed.
+// the place of each key. Throws InputError for a file that cannot be read or has no key, invalid
+// YAML, unknown or repeated keys and values that are not allowed.
 KeyPlaces ReadSettingsFile(const std::filesystem::path& file, const VisitFunction& visit);
 // Same as ReadSettingsFile() for a YAML text that pickbed wrote, so names of earlier versions are
 // not reported. Errors use `name_for_errors` as the file name.

@@ -20,12 +20,6 @@ namespace fs = std::filesystem;
 
 constexpr size_t kStlHeader = 84, kStlFace = 50;  // bytes of a binary STL
 
-std::string LowerExtension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
-
 // Reads the header of a PLY file. assimp 5.2 never returns from one without end. Returns the number
 // of faces.
 size_t CheckPlyHeader(const fs::path& path) {
@@ -98,6 +92,12 @@ void CheckObj(const fs::path& path) {
 }
 
 }  // namespace
+
+std::string LowerExtension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
 
 [[noreturn]] void RefuseUnreadable(const fs::path& path, const std::string& reason) {
   throw InputError("cannot read mesh '" + path.string() + "': " + reason +

@@ -8,6 +8,9 @@
 
 namespace pickbed::scenes {
 
+// Returns the extension of a file in lower case, with its dot.
+std::string LowerExtension(const std::filesystem::path& path);
+
 // Throws InputError that names the file and the reason, with the usual remedies.
 [[noreturn]] void RefuseUnreadable(const std::filesystem::path& path, const std::string& reason);
 

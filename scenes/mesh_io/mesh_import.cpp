@@ -19,7 +19,7 @@
 #include "scenes/image/image_io.h"
 #include "scenes/mesh_io/mesh_file_check.h"
 #include "scenes/mesh_io/mesh_join.h"
-#include "scenes/mesh_io/ply_text_check.h"
+#include "scenes/mesh_io/mesh_text_check.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -245,7 +245,7 @@ class NotingFiles : public Assimp::DefaultIOSystem {
 
 ImportedMesh ImportMesh(const fs::path& path, double scale) {
   CheckMeshFile(path);
-  CheckPlyText(path);
+  CheckMeshText(path);
   ImportedMesh imported;
   Assimp::Importer importer;
   importer.SetIOHandler(new NotingFiles(imported.used));  // the importer owns it

@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -14,6 +12,7 @@
 
 #include "scenes/base/message_text.h"
 #include "scenes/mesh_io/mesh_file_check.h"
+#include "scenes/mesh_io/number_words.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -52,6 +51,11 @@ std::optional<Range> RangeOf(const std::string& type) {
   return found == kRanges.end() ? std::nullopt : std::optional(found->second);
 }
 
+bool IsType(const std::string& type) {
+  return RangeOf(type) || type == "float" || type == "float32" || type == "double" ||
+         type == "float64";
+}
+
 // One line of an element, with its number in the file.
 class Row {
  public:
@@ -64,20 +68,15 @@ class Row {
     const char* word = at_;
     while (at_ < end_ && !IsSpace(*at_)) ++at_;
     if (word == at_) Refuse("has no value for " + name);
-    const char* first = *word == '+' ? word + 1 : word;
-    double value = 0;
-    const auto [after, error] = std::from_chars(first, at_, value);
     const std::string text = OneLine(std::string(word, at_));
-    if (after != at_ || error == std::errc::invalid_argument) {
-      Refuse(fmt::format("has '{}' for {}, which is no number", text, name));
-    }
-    if (error == std::errc::result_out_of_range) value = std::numeric_limits<double>::infinity();
+    const std::optional<double> value = NumberIn({word, static_cast<size_t>(at_ - word)});
+    if (!value) Refuse(fmt::format("has '{}' for {}, which is no number", text, name));
     const std::optional<Range> range = RangeOf(type);
-    if (range && !(value >= range->min && value <= range->max && value == std::floor(value))) {
+    if (range && !(*value >= range->min && *value <= range->max && *value == std::floor(*value))) {
       Refuse(fmt::format("has {} for {}, but the type {} has whole numbers from {} to {}", text,
                          name, type, range->min, range->max));
     }
-    return value;
+    return *value;
   }
   void RequireEnd() {
     SkipSpace();
@@ -109,7 +108,8 @@ void CheckRow(const Element& element, Row row) {
 }
 
 // Reads the header. Returns nothing for a binary file or another format.
-std::vector<Element> ReadHeader(std::ifstream& file, size_t& line_number) {
+std::vector<Element> ReadHeader(const std::filesystem::path& path, std::ifstream& file,
+                                size_t& line_number) {
   std::vector<Element> elements;
   bool is_text = false;
   for (std::string line; std::getline(file, line);) {
@@ -119,8 +119,13 @@ std::vector<Element> ReadHeader(std::ifstream& file, size_t& line_number) {
     words >> key;
     if (key == "end_header" || (line_number == 1 && key != "ply")) break;
     if (key == "format") {
-      words >> key;
+      std::string version;
+      words >> key >> version;
       is_text = key == "ascii";
+      if (version != "1.0") {
+        RefuseUnreadable(path, fmt::format("it has the version '{}' of PLY, which is not 1.0",
+                                           OneLine(version)));
+      }
     } else if (key == "element") {
       Element element;
       words >> element.name >> element.count;
@@ -131,6 +136,11 @@ std::vector<Element> ReadHeader(std::ifstream& file, size_t& line_number) {
       if (property.type == "list") words >> property.count_type >> property.type;
       words >> property.name;
       property.name = OneLine(property.name);
+      const bool is_list = !property.count_type.empty();
+      if (!IsType(property.type) || (is_list && !RangeOf(property.count_type))) {
+        RefuseUnreadable(
+            path, fmt::format("line {} has an unknown type: '{}'", line_number, OneLine(line)));
+      }
       elements.back().properties.push_back(property);
     }
   }
@@ -143,7 +153,7 @@ std::vector<Element> ReadHeader(std::ifstream& file, size_t& line_number) {
 void CheckPlyText(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   size_t line_number = 0;
-  for (const Element& element : ReadHeader(file, line_number)) {
+  for (const Element& element : ReadHeader(path, file, line_number)) {
     std::string line;
     for (size_t row = 0; row < element.count;) {
       ++line_number;

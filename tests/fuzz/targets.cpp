@@ -319,7 +319,10 @@ std::vector<FuzzTarget> MakeTargets() {
       OneFile(
           "scenario", "a.yaml", [](const fs::path& file) { LoadScenario(file); }, presets(false)),
       OneFile(
-          "sweep", "a.yaml", [](const fs::path& file) { GridConfigurations(LoadSweepSpec(file)); },
+          "sweep", "a.yaml",
+          [](const fs::path& file) {
+            MakeSweep(LoadSweepSpec(file), file.parent_path() / "out", "");
+          },
           [] {
             return Contents{
                 "scenario: demo\ntrials: 3\nset: {camera.focal_px: 700}\ngrid:\n  sensor: [ideal, "

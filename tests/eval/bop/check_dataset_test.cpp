@@ -239,6 +239,17 @@ TEST_F(BopCheck, AbsurdNumbersAreReportedByCheckAndRefusedByScore) {
   }
 }
 
+// Arrays in arrays would end the stack of a reader that calls itself.
+TEST_F(BopCheck, DeeplyNestedJsonIsReported) {
+  constexpr int kDepth = 100000;
+  const std::string nested = std::string(kDepth, '[') + std::string(kDepth, ']');
+  for (const char* file : {"scene_gt.json", "scene_camera.json", "scene_gt_info.json"}) {
+    Copy();
+    WriteFileAtomically(scene() / file, "{\"0\": [{\"cam_R_m2c\": " + nested + "}]}");
+    EXPECT_THAT(CheckDataset(root()).faults, Contains(AllOf(HasSubstr(file), HasSubstr("nested"))));
+  }
+}
+
 TEST_F(BopCheck, ObjectNumbersOfMoreThan32BitsAreReported) {
   for (const char* const id : {"18446744073709551615", "9223372036854775808",
                                "-9223372036854775808", "4294967297", "1.5"}) {

@@ -72,6 +72,7 @@ INSTANTIATE_TEST_SUITE_P(
     All, EditedStores,
     testing::Values(
         EditedStore{"DELETE FROM attempts", "has no such attempt"},
+        EditedStore{"UPDATE settings SET value = x'00ff'", "table 'settings', row"},
         EditedStore{"DELETE FROM attempts WHERE trial = 1 AND attempt = 0", "have a gap"},
         EditedStore{"UPDATE hypotheses SET attempt = 100000",
                     "table 'hypotheses', trial 0: table 'attempts' has no such attempt"},

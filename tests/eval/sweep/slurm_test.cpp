@@ -57,6 +57,26 @@ TEST(SlurmScript, QuotesPathsForTheShell) {
 }
 
 // A line of the script that does not begin with # would be run by the shell.
+TEST(SlurmScript, TimesAndSizesMustBeOnes) {
+  for (const char* good : {"", "30", "2:00:00", "90:30", "1-12", "3-00:30:00", "UNLIMITED"}) {
+    SlurmJob job = SomeJob();
+    job.options.time = good;
+    EXPECT_NO_THROW(JobScript(job)) << good;
+  }
+  for (const char* bad : {"2:9223372036854775808:00", "-5", "2h", "1:2:3:4", "1-", ":30"}) {
+    SlurmJob job = SomeJob();
+    job.options.time = bad;
+    EXPECT_THAT(ErrorOf([&] { JobScript(job); }), HasSubstr("slurm.time = ")) << bad;
+  }
+  SlurmJob job = SomeJob();
+  job.options.memory = "4.5Q";
+  EXPECT_THAT(ErrorOf([&] { JobScript(job); }), HasSubstr("slurm.mem = 4.5Q"));
+  for (const char* good : {"4000", "4G", "512mb"}) {
+    job.options.memory = good;
+    EXPECT_NO_THROW(JobScript(job)) << good;
+  }
+}
+
 TEST(SlurmScript, TextsThatBeginAnotherLineAreRefused) {
   for (const char* bad : {"short\ntouch /tmp/x", "a b", "$(id)", "`id`", "a'b", "a;b", "a\rb"}) {
     SlurmJob job = SomeJob();

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "scenes/base/error.h"
+#include "tests/support/error_of.h"
 #include "tests/support/layer.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
 namespace {
@@ -112,6 +114,17 @@ TEST(Settings, MissingKeysKeepTheirValues) {
   ReadSettingsText("", "cell.yaml", Visiting(sample));
   EXPECT_EQ(sample.seed, 7u);
   EXPECT_EQ(sample.mode, "fast");
+}
+
+TEST(Settings, AFileWithoutSettingsIsRefused) {
+  const TemporaryFolder folder;
+  for (const char* yaml : {"", "\n", "# A jaw with l", "{}", "---\n"}) {
+    const std::string file = folder.Write("a.yaml", yaml);
+    Sample sample;
+    EXPECT_THAT(ErrorOf([&] { ReadSettingsFile(file, Visiting(sample)); }),
+                HasSubstr(file + ": the file has no settings"))
+        << yaml;
+  }
 }
 
 TEST(Settings, WrittenSettingsReadBackUnchanged) {

@@ -21,14 +21,19 @@ std::string Ply(const std::string& vertex = "0.1 0 0 255 0 0",
   return kHeader + ("0 0 0 1 2 3\n" + vertex + "\n0 0.1 0 1 2 3\n" + face + "\n");
 }
 
-struct Case {
+std::string Replaced(const std::string& from, const std::string& to) {
+  std::string ply = Ply();
+  return ply.replace(ply.find(from), from.size(), to);
+}
+
+struct PlyCase {
   const char* name;
   std::string bytes;
   std::string message;  // empty if the file is fine
 };
 
 TEST(PlyText, ValuesMustFitTheHeader) {
-  const Case cases[] = {
+  const PlyCase cases[] = {
       {"fine", Ply(), ""},
       {"spaces, signs, exponents and empty lines", Ply(" +1e-1  0\t0 255 0 0 \r\n", "3 0 1 2\n\n"),
        ""},
@@ -46,10 +51,14 @@ TEST(PlyText, ValuesMustFitTheHeader) {
       {"a long face", Ply("0.1 0 0 1 2 3", "3 0 1 2 0"), "line 16 has more values"},
       {"a face of many corners", Ply("0.1 0 0 1 2 3", "300 0 1 2"), "line 16 has 300"},
       {"an index that is not whole", Ply("0.1 0 0 1 2 3", "3 0 1 1.5"), "line 16 has 1.5"},
+      {"an unknown type", Replaced("property uchar red", "property uch red"),
+       "line 7 has an unknown type: 'property uch red'"},
+      {"a list counted by a float", Replaced("list uchar", "list float"), "line 11 has an unknown"},
+      {"an unknown version", Replaced("ascii 1.0", "ascii inf"), "the version 'inf' of PLY"},
       {"missing lines", Ply().substr(0, Ply().size() - 8), "it has 0 lines of them"},
       {"another format", "solid x\nfacet 1\n", ""},
   };
-  for (const Case& test : cases) {
+  for (const PlyCase& test : cases) {
     const TemporaryFolder folder;
     const std::string file = folder.Write("a.ply", test.bytes);
     if (test.message.empty()) {

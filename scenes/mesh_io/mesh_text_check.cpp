@@ -1,0 +1,177 @@
+#include "scenes/mesh_io/mesh_text_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "scenes/base/message_text.h"
+#include "scenes/mesh_io/mesh_file_check.h"
+#include "scenes/mesh_io/number_words.h"
+#include "scenes/mesh_io/ply_text_check.h"
+
+namespace pickbed::scenes {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string_view> WordsOf(std::string_view line) {
+  constexpr std::string_view kSpace = " \t\r";
+  std::vector<std::string_view> words;
+  line = line.substr(0, line.find('#'));
+  for (size_t at = line.find_first_not_of(kSpace); at != std::string_view::npos;) {
+    const size_t end = std::min(line.find_first_of(kSpace, at), line.size());
+    words.push_back(line.substr(at, end - at));
+    at = line.find_first_not_of(kSpace, end);
+  }
+  return words;
+}
+
+// Whether the word is a corner of a face: 1, 1/2, 1//3 or 1/2/3, also negative.
+bool IsCorner(std::string_view word) {
+  for (int field = 0; field < 3; ++field) {
+    const size_t end = std::min(word.find('/'), word.size());
+    const std::string_view index = word.substr(0, end);
+    int value = 0;
+    const auto [after, error] = std::from_chars(index.data(), index.data() + index.size(), value);
+    const bool is_index = error == std::errc() && after == index.data() + index.size();
+    if (!is_index && !(index.empty() && field > 0)) return false;
+    if (end == word.size()) return true;
+    word.remove_prefix(end + 1);
+  }
+  return false;
+}
+
+bool IsKeyword(std::string_view word) {
+  return std::all_of(word.begin(), word.end(), [](unsigned char c) {
+    return c < 128 && (std::isalnum(c) != 0 || c == '_' || c == '-');
+  });
+}
+
+// The fault of a statement of an OBJ; empty = none.
+std::string FaultOfObj(const std::vector<std::string_view>& words) {
+  if (words.empty()) return "";
+  const std::string_view kind = words.front();
+  const auto shown = [](std::string_view word) { return "'" + OneLine(std::string(word)) + "'"; };
+  if (!IsKeyword(kind)) return fmt::format("begins with {}, which is no word", shown(kind));
+  const bool has_numbers = kind == "v" || kind == "vn" || kind == "vt";
+  if (!has_numbers && kind != "f") return "";
+  for (size_t i = 1; i < words.size(); ++i) {
+    if (has_numbers && !NumberIn(words[i])) return shown(words[i]) + " is no number";
+    if (!has_numbers && !IsCorner(words[i])) return shown(words[i]) + " is no corner of a face";
+  }
+  const size_t fewest = kind == "v" || kind == "vn" ? 3 : 1;
+  if (words.size() - 1 < fewest) return fmt::format("has {} numbers", words.size() - 1);
+  return "";
+}
+
+// The words of a text STL, one after another.
+class StlWords {
+ public:
+  StlWords(const fs::path& path, std::istream& file) : path_(path), file_(file) {}
+
+  // Returns the next word in lower case; empty at the end.
+  std::string Next() {
+    std::string word;
+    file_ >> word;
+    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return word;
+  }
+  void Expect(const char* expected) {
+    const std::string word = Next();
+    if (word != expected) Refuse(word, expected);
+  }
+  void ExpectNumbers() {
+    for (int i = 0; i < 3; ++i) {
+      const std::string word = Next();
+      if (!NumberIn(word)) Refuse(word, "number");
+    }
+  }
+  void SkipLine() {
+    std::string rest;
+    std::getline(file_, rest);
+  }
+  void ReadFacet() {
+    Expect("normal");
+    ExpectNumbers();
+    Expect("outer");
+    Expect("loop");
+    for (int corner = 0; corner < 3; ++corner) {
+      Expect("vertex");
+      ExpectNumbers();
+    }
+    Expect("endloop");
+    Expect("endfacet");
+    ++facet_;
+  }
+  [[noreturn]] void Refuse(const std::string& word, const std::string& expected) const {
+    RefuseUnreadable(
+        path_, fmt::format("facet {} has '{}' in place of {}", facet_, OneLine(word), expected));
+  }
+
+ private:
+  const fs::path& path_;
+  std::istream& file_;
+  int facet_ = 0;
+};
+
+bool IsBinaryStl(const fs::path& path, std::istream& file) {
+  constexpr size_t kName = 80, kFace = 50;
+  std::array<char, kName + sizeof(uint32_t)> head{};
+  file.read(head.data(), head.size());
+  const bool is_whole = static_cast<bool>(file);
+  file.clear();
+  file.seekg(0);
+  if (std::strncmp(head.data(), "solid", 5) != 0) return true;
+  uint32_t faces = 0;
+  std::memcpy(&faces, head.data() + kName, sizeof(faces));
+  return is_whole && fs::file_size(path) == head.size() + kFace * faces;
+}
+
+}  // namespace
+
+void CheckMeshText(const fs::path& path) {
+  const std::string extension = LowerExtension(path);
+  if (extension == ".obj") CheckObjText(path);
+  if (extension == ".stl") CheckStlText(path);
+  if (extension == ".ply") CheckPlyText(path);
+}
+
+void CheckObjText(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  bool continues = false;  // the line before ends with a backslash
+  size_t number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++number;
+    const std::vector<std::string_view> words = WordsOf(line);
+    const bool is_continued = continues;
+    continues = !words.empty() && words.back().ends_with('\\');
+    if (is_continued || continues) continue;
+    const std::string fault = FaultOfObj(words);
+    if (!fault.empty()) RefuseUnreadable(path, fmt::format("line {} {}", number, fault));
+  }
+}
+
+void CheckStlText(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (IsBinaryStl(path, file)) return;
+  StlWords words(path, file);
+  for (std::string word = words.Next(); !word.empty(); word = words.Next()) {
+    if (word == "facet") {
+      words.ReadFacet();
+    } else if (word == "solid" || word == "endsolid" || word == "color") {
+      words.SkipLine();
+    } else {
+      words.Refuse(word, "facet or endsolid");
+    }
+  }
+}
+
+}  // namespace pickbed::scenes
