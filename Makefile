@@ -25,7 +25,7 @@ define install
 	fi
 endef
 
-.PHONY: help build demo test docs format parts install clean
+.PHONY: help build demo test fuzz docs format parts install clean
 
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
@@ -45,6 +45,14 @@ test:
 	cmake --preset release -DPICKBED_BUILD_TESTS=ON -DPICKBED_TEST_DATA=$(TEST_DATA)
 	cmake --build --preset release
 	ctest --preset release -j $$(nproc)
+
+# make fuzz MINUTES=30   run all fuzz targets with libFuzzer and the sanitizers
+MINUTES ?= 30
+fuzz:
+	$(call install,build plugin report test fuzz)
+	cmake --preset fuzz
+	cmake --build --preset fuzz
+	tests/fuzz/fuzz.sh $(MINUTES)
 
 # make docs    build the documentation site and the API reference: build/docs/site/index.html
 docs:

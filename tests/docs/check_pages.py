@@ -8,6 +8,7 @@ Prints one line PAGE:LINE: FAULT for each fault and exits with 1 if there is one
 - a page that is not in the navigation of docs/mkdocs.yml, or that no links lead to from index.md
 - a page with more than 300 lines, except generated ones
 - a sentence with more than 25 words, or a form that the style guide forbids, except in README.md
+- a name of a test in a table, such as `Suite.Test` or `Suite.*`, that no source has
 """
 
 import os
@@ -85,12 +86,30 @@ def check_language(page, text, faults):
                 faults.append((page, line, f"forbidden form '{form.group().strip()}': {sentence[:70]}"))
 
 
+def tests_of(root):
+    """Returns the names of all unit tests, and `SUITE.*` for each of their suites."""
+    found = set()
+    for source in sorted((root / "tests").rglob("*_test.cpp")):
+        for suite, test in re.findall(r"^TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)", source.read_text(), re.M):
+            found |= {f"{suite}.{test}", f"{suite}.*"}
+    return found
+
+
+def check_tests(page, text, known, faults):
+    for number, line in enumerate(text.split("\n"), 1):
+        if not line.startswith("|"):
+            continue
+        for test in re.findall(r"`([A-Z]\w+\.(?:[A-Z]\w+|\*))`", line):
+            if test not in known:
+                faults.append((page, number, f"there is no test {test}"))
+
+
 def main():
     root = Path(sys.argv[1]).resolve()
     pages_root = root / "docs/pages"
     texts = {page: page.read_text() for page in pages_of(root)}
     pages = [page for page in texts if pages_root in page.parents]
-    faults, linked = [], {}
+    faults, linked, tests = [], {}, tests_of(root)
     for page, text in texts.items():
         linked[page] = check_links(page, root, pages_root, texts, faults)
         check_quotes(page, root, text, faults)
@@ -100,6 +119,7 @@ def main():
         if lines > MAX_LINES:
             faults.append((page, lines, f"{lines} lines; a page has up to {MAX_LINES}"))
         check_language(page, text, faults)
+        check_tests(page, text, tests, faults)
     check_navigation(root, pages_root, pages, linked, faults)
     for page, line, fault in faults:
         print(f"{shown(page, root)}:{line}: {fault}")

@@ -47,6 +47,12 @@ const char* FuzzResultName(FuzzResult result) {
   return kNames[static_cast<int>(result)];
 }
 
+FuzzCase RunFuzzCaseHere(const FuzzTarget& target, const std::filesystem::path& folder,
+                         const std::string& bytes) {
+  const std::string answer = Answer(target, folder, bytes);
+  return {ResultOf(target, folder, answer), answer.substr(1)};
+}
+
 FuzzCase RunFuzzCase(const FuzzTarget& target, const std::filesystem::path& folder,
                      const std::string& bytes) {
   IsolationLimits limits;

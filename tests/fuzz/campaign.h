@@ -30,6 +30,10 @@ struct FuzzCase {
   std::string message;  // of the error
 };
 
+// Runs one input in this process.
+FuzzCase RunFuzzCaseHere(const FuzzTarget& target, const std::filesystem::path& folder,
+                         const std::string& bytes);
+
 // Runs one input in a child process with limits: 30 s and 4 GB.
 FuzzCase RunFuzzCase(const FuzzTarget& target, const std::filesystem::path& folder,
                      const std::string& bytes);
