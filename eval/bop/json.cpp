@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -41,6 +44,22 @@ void CheckNesting(const std::string& text) {
   }
 }
 
+// Throws InputError for an object that has a key twice: the library would keep the last value.
+ParsedJson ParseUniqueKeys(const std::string& text) {
+  using Event = ParsedJson::parse_event_t;
+  std::vector<std::set<std::string>> keys;  // of the open objects
+  return ParsedJson::parse(text, [&keys](int, Event event, const ParsedJson& parsed) {
+    if (event == Event::object_start) keys.emplace_back();
+    if (event == Event::object_end) keys.pop_back();
+    if (event == Event::key) {
+      const std::string key = parsed.get<std::string>();
+      CheckInput(keys.back().insert(key).second,
+                 fmt::format("has the key '{}' twice in one object", OneLine(key)));
+    }
+    return true;
+  });
+}
+
 bool IsUsable(const ParsedJson& value) {
   return value.is_number() && std::abs(value.get<double>()) <= kLargestNumber;  // no NaN either
 }
@@ -70,7 +89,7 @@ std::optional<ParsedJson> ReadJson(const std::filesystem::path& file, const OnFa
   try {
     const std::string text = ReadFileBytes(file);
     CheckNesting(text);
-    return ParsedJson::parse(text);
+    return ParseUniqueKeys(text);
   } catch (const ParsedJson::exception& exception) {
     fault(fmt::format("{}: is no JSON: {}", file.string(), Reason(exception)));
   } catch (const InputError& exception) {

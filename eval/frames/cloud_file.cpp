@@ -91,6 +91,9 @@ std::string PcdFieldBytes(const std::string& bytes, const PcdHeader& header,
       header.data == "binary",
       fmt::format("{}: DATA is {}; write it as binary or binary_compressed", name, header.data));
   CheckInput(bytes.size() - header.end >= size, name + ": the file is too short; get it again");
+  CheckInput(
+      bytes.size() - header.end == size,
+      name + ": the file is longer than its header says, so it may be damaged; get it again");
   std::string by_field(size, '\0');
   for (size_t i = 0; i < points * fields; ++i) {
     std::memcpy(&by_field[(i % fields * points + i / fields) * kFieldBytes],

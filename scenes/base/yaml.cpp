@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "scenes/base/error.h"
+#include "scenes/base/message_text.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -39,7 +40,7 @@ YAML::Node ParseYaml(const std::string& text, const std::string& source) {
     return node;
   } catch (const YAML::Exception& error) {
     throw InputError(
-        fmt::format("{}:{}: not valid YAML: {}", source, error.mark.line + 1, error.msg));
+        fmt::format("{}:{}: not valid YAML: {}", source, error.mark.line + 1, OneLine(error.msg)));
   }
 }
 

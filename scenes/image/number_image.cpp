@@ -163,6 +163,10 @@ NumberImage ReadNumpy(const std::string& bytes, const std::string& name) {
   image.is_float = header.kind == 'f';
   CheckInput(bytes.size() - header.end >= image.values.size() * header.bytes,
              "cannot read '" + name + "': the NumPy file is too short; get it again");
+  CheckInput(bytes.size() - header.end == image.values.size() * header.bytes,
+             "cannot read '" + name +
+                 "': the NumPy file is longer than its header says, so it "
+                 "may be damaged; get it again");
   const auto copy = [&](auto type) { CopyArray<decltype(type)>(bytes, header.end, image.values); };
   if (image.is_float) {
     header.bytes == 4 ? copy(float{}) : copy(double{});

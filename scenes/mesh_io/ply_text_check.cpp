@@ -142,6 +142,9 @@ std::vector<Element> ReadHeader(const std::filesystem::path& path, std::ifstream
             path, fmt::format("line {} has an unknown type: '{}'", line_number, OneLine(line)));
       }
       elements.back().properties.push_back(property);
+    } else if (line_number > 1 && key != "comment" && key != "obj_info" && !key.empty()) {
+      RefuseUnreadable(path, fmt::format("line {} of its header is no statement of PLY: '{}'",
+                                         line_number, OneLine(line)));
     }
   }
   if (!is_text) elements.clear();

@@ -239,6 +239,15 @@ TEST_F(BopCheck, AbsurdNumbersAreReportedByCheckAndRefusedByScore) {
   }
 }
 
+TEST_F(BopCheck, RepeatedKeysAreReported) {
+  Copy();
+  const fs::path file = root() / "test_targets_bop19.json";
+  WriteFileAtomically(
+      file, "[{\"im_id\": 1, \"inst_count\": 1, \"obj_id\": 5, \"scene_id\": 1, \"obj_id\": 1}]");
+  EXPECT_THAT(CheckDataset(root()).faults,
+              Contains(AllOf(HasSubstr(file.string()), HasSubstr("has the key 'obj_id' twice"))));
+}
+
 // Arrays in arrays would end the stack of a reader that calls itself.
 TEST_F(BopCheck, DeeplyNestedJsonIsReported) {
   constexpr int kDepth = 100000;

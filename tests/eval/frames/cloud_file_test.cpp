@@ -92,5 +92,24 @@ TEST(CloudFile, RefusesDamagedFilesInOneLine) {
       HasSubstr("list"));
 }
 
+TEST(CloudFile, APcdHasAsManyBytesAsItsHeaderSays) {
+  const TemporaryFolder folder;
+  std::string pcd =
+      "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 8\nHEIGHT "
+      "6\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 48\nDATA binary\n";
+  for (int i = 0; i < 48; ++i) {
+    const float point[3] = {0.01f * static_cast<float>(i % 8), 0.01f * static_cast<float>(i / 8),
+                            1};
+    pcd.append(reinterpret_cast<const char*>(point), sizeof(point));
+  }
+  EXPECT_EQ(ReadCloudFile(folder.Write("a.pcd", pcd)).width, 8);
+  const auto error = [&](const std::string& bytes) {
+    const auto file = folder.Write("b.pcd", bytes);
+    return ErrorOf([&] { ReadCloudFile(file); });
+  };
+  EXPECT_THAT(error(pcd.substr(0, pcd.size() - 1)), HasSubstr("too short"));
+  EXPECT_THAT(error(pcd + "1"), HasSubstr("longer than its header says"));
+}
+
 }  // namespace
 }  // namespace pickbed::tests

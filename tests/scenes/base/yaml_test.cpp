@@ -23,6 +23,9 @@ TEST(ParseYaml, ReadsAliases) {
 
 TEST(ParseYaml, NamesTheLineOfAFault) {
   EXPECT_THAT(ErrorFor("a: 1\nb: [\n"), HasSubstr("a.yaml:3: not valid YAML"));
+  // The library shows an unknown escape as it is.
+  EXPECT_EQ(ErrorFor("a: \"x\\\ny: 1\n").find('\n'), std::string::npos);
+  EXPECT_EQ(ErrorFor("b: \"\\\x01\"\n").find('\n'), std::string::npos);
 }
 
 TEST(ParseYaml, RefusesANodeWithinItself) {

@@ -80,6 +80,9 @@ TEST(NumberImage, RefusesOtherFilesInOneLine) {
               HasSubstr("(4, 2, 3)"));
   EXPECT_THAT(error(Numpy("{'descr': '<f4', 'fortran_order': False, 'shape': (4, 2), }\n", "abc")),
               HasSubstr("too short"));
+  EXPECT_THAT(
+      error(Numpy("{'descr': '<u1', 'fortran_order': False, 'shape': (4, 2), }\n", "abcdefghi")),
+      HasSubstr("longer than its header says"));
   WritePng(folder.path() / "c.png", Image<Rgb8>(2, 2));
   EXPECT_THAT(ErrorOf([&] { ReadNumberImage(folder.path() / "c.png"); }), HasSubstr("3 channels"));
   EXPECT_TRUE(HasColorChannels(folder.path() / "c.png"));

@@ -54,6 +54,8 @@ TEST(PlyText, ValuesMustFitTheHeader) {
       {"an unknown type", Replaced("property uchar red", "property uch red"),
        "line 7 has an unknown type: 'property uch red'"},
       {"a list counted by a float", Replaced("list uchar", "list float"), "line 11 has an unknown"},
+      {"an unknown statement", Replaced("property uchar red", "propert uchar red"),
+       "line 7 of its header is no statement of PLY: 'propert uchar red'"},
       {"an unknown version", Replaced("ascii 1.0", "ascii inf"), "the version 'inf' of PLY"},
       {"missing lines", Ply().substr(0, Ply().size() - 8), "it has 0 lines of them"},
       {"another format", "solid x\nfacet 1\n", ""},
