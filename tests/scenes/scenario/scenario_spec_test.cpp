@@ -52,7 +52,8 @@ TEST_F(ScenarioFile, InvalidScenariosAreRefusedInOneLine) {
     std::string yaml;
     const char* fragment;
   } cases[] = {
-      {"", "drops nothing"},
+      {"", "has no settings"},
+      {"trials: 1\n", "drops nothing"},
       {"objects: []\n", "drops nothing"},
       {"objects: [{name: rod, count: 0}]\n", "objects.0.count = 0"},
       {"objects: [{name: rod, count: -3}]\n", "objects.0.count = -3"},
