@@ -108,11 +108,18 @@ TriangleMesh Rebuild(const TriangleMesh& original, const Joined& joined,
   return out;
 }
 
-// Returns the vertices, edge midpoints, face centers and random points of a surface.
+// Returns the vertices, edge midpoints, face centers and random points of a surface. Vertices of no
+// triangle, which scans may have, are not on it.
 std::vector<Eigen::Vector3d> Probes(const TriangleMesh& mesh) {
   Rng rng(0);
   std::vector<Eigen::Vector3d> probes = SampleSurface(mesh, kDeviationSamples, rng).points;
-  probes.insert(probes.end(), mesh.vertices.begin(), mesh.vertices.end());
+  std::vector<bool> is_used(mesh.vertices.size());
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    for (const int vertex : t) is_used[vertex] = true;
+  }
+  for (size_t i = 0; i < is_used.size(); ++i) {
+    if (is_used[i]) probes.push_back(mesh.vertices[i]);
+  }
   for (const Eigen::Vector3i& t : mesh.triangles) {
     const Eigen::Vector3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]],
                           &c = mesh.vertices[t[2]];

@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
 
 #include "scenes/geometry/mesh_query.h"
 #include "scenes/mesh_io/mesh_checks.h"
@@ -59,6 +63,61 @@ TEST(MeshLevels, DenseSphereIsReduced) {
   const std::vector<MeshLevel> levels = MakeMeshLevels(SphereMesh(0.04, 4));
   ASSERT_GE(levels.size(), 2u);
   EXPECT_LT(levels.back().mesh.triangles.size(), 500u);
+}
+
+// Ends of the edges of only one triangle.
+std::vector<Eigen::Vector3d> RimOf(const TriangleMesh& mesh) {
+  std::map<std::pair<int, int>, int> triangles_of;
+  for (const Eigen::Vector3i& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) ++triangles_of[std::minmax({t[k], t[(k + 1) % 3]})];
+  }
+  std::vector<Eigen::Vector3d> rim;
+  for (const auto& [edge, count] : triangles_of) {
+    if (count != 1) continue;
+    rim.push_back(mesh.vertices[edge.first]);
+    rim.push_back(mesh.vertices[edge.second]);
+  }
+  return rim;
+}
+
+// A dense and noisy cylinder without top and bottom, with a vertex of no triangle.
+TriangleMesh ScannedTube(double radius_m, double height_m, double noise_m) {
+  constexpr int kSides = 160, kRings = 60;
+  TriangleMesh scan;
+  Rng rng(2);
+  for (int ring = 0; ring <= kRings; ++ring) {
+    for (int i = 0; i < kSides; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kSides;
+      const double r = radius_m + rng.Uniform(-noise_m, noise_m);
+      scan.vertices.emplace_back(r * std::cos(angle), r * std::sin(angle),
+                                 height_m * ring / kRings);
+    }
+  }
+  for (int ring = 0; ring < kRings; ++ring) {
+    for (int i = 0; i < kSides; ++i) {
+      const int a = ring * kSides + i, b = ring * kSides + (i + 1) % kSides;
+      scan.triangles.emplace_back(a, b, b + kSides);
+      scan.triangles.emplace_back(a, b + kSides, a + kSides);
+    }
+  }
+  scan.vertices.emplace_back(0, 0, 3 * height_m);
+  return scan;
+}
+
+// Training draws a level within 0.2 % of the diameter.
+TEST(MeshLevels, OpenScanIsReducedAndKeepsItsRim) {
+  constexpr double kHeight_m = 0.1;
+  const TriangleMesh scan = ScannedTube(0.04, kHeight_m, 3e-5);
+  const std::vector<MeshLevel> levels = MakeMeshLevels(scan);
+  const auto drawn = std::find_if(levels.rbegin(), levels.rend(), [&](const MeshLevel& level) {
+    return level.deviation_m < 0.002 * std::hypot(0.08, kHeight_m);
+  });
+  EXPECT_LT(drawn->mesh.triangles.size(), scan.triangles.size() / 4) << levels[1].deviation_m;
+  const std::vector<Eigen::Vector3d> rim = RimOf(drawn->mesh);
+  ASSERT_FALSE(rim.empty());
+  for (const Eigen::Vector3d& p : rim) {
+    EXPECT_LT(std::min(p.z(), kHeight_m - p.z()), 1e-9) << "a hole, or the rim has moved";
+  }
 }
 
 TEST(MeshLevels, FlatRegionsAreReducedWithoutDeviation) {
