@@ -59,8 +59,9 @@ void OcclusionSpec::Validate(const std::function<std::string(const std::string& 
         band.max - band.min > 2 * margin,
         fmt::format("{} = {}: must exceed bands.{}.min = {} by more than twice the margin of {}",
                     name(fmt::format("bands.{}.max", i)), band.max, i, band.min, margin));
+    if (i == 0) continue;
     CheckInput(
-        i == 0 || band.min >= bands[i - 1].max,
+        band.min >= bands[i - 1].max,
         fmt::format("{} = {}: must not be under bands.{}.max = {}; list the bands from the "
                     "least visible on, without overlap",
                     name(fmt::format("bands.{}.min", i)), band.min, i - 1, bands[i - 1].max));
