@@ -23,8 +23,10 @@ async function run(browser) {
   await browser.value(`document.querySelector('${box}').focus()`);
   await browser.send('Input.insertText', {text: word});
   try {
-    // On a loaded machine the search may start only after the word was entered, so the key is repeated.
-    const key = `document.querySelector('${box}').dispatchEvent(new KeyboardEvent('keyup', {bubbles: true}))`;
+    // On a loaded machine the search may start only after the word was entered, so the key is repeated. Each key
+    // starts the search anew, so there is some time between two.
+    const press = `document.querySelector('${box}').dispatchEvent(new KeyboardEvent('keyup', {bubbles: true}))`;
+    const key = `(Date.now() < (window.pressed ?? 0) + 3000 || ((window.pressed = Date.now()), ${press}))`;
     const found = `document.querySelectorAll('.md-search-result__item a').length > 0`;
     const none = `document.querySelector('.md-search-result__meta')?.innerText.startsWith('No matching')`;
     await browser.until(`${key} && (${found} || ${none})`, 'search results', 40000);
