@@ -55,8 +55,7 @@ int RunRoomsTable(const RoomsArguments& arguments) {
 int BenchmarkRoomsCommand(int argc, char** argv) {
   CLI::App app(
       "Estimates poses in simulated rooms whose background is not known: objects in bins, objects "
-      "on "
-      "tables among other things, and no object at all. The same images are also estimated with "
+      "on tables among other things, and no object at all. The same images are also estimated with "
       "the given bin, and every second without looking for planes.",
       "pickbed benchmark rooms");
   RoomsArguments arguments;

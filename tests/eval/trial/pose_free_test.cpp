@@ -181,41 +181,38 @@ TEST(PoseFreeTrial, PhysicalOutcomeIsTheFailure) {
   EXPECT_EQ(AttributeFailure(record, {}, 0.5, InstanceMatcher({}, {})), FailureReason::kNoGrasp);
 }
 
+// A grasp without a pose.
+Grasp GraspAt(double x_m) {
+  Grasp grasp;
+  grasp.hypothesis = kNoHypothesis;
+  grasp.X_WG = Translation({x_m, 0, 0.02});
+  return grasp;
+}
+
 // Without poses, a failure is remembered at the place of the hand.
 TEST(PoseFreeTrial, FailedGraspIsNotRepeatedNearItsPlace) {
-  const auto at = [](double x_m) {
-    Grasp grasp;
-    grasp.hypothesis = kNoHypothesis;
-    grasp.X_WG = Translation({x_m, 0, 0.02});
-    return grasp;
-  };
   GraspMemory memory;
   GraspOutcome failed, picked;
   picked.success = true;
-  memory.Remember(at(0), nullptr, failed);
+  memory.Remember(GraspAt(0), nullptr, failed);
   const TrialOptions options;
-  const std::vector<Grasp> fresh = memory.WithoutRepetitions({at(0.005), at(0.05)}, {}, options);
+  const std::vector<Grasp> fresh =
+      memory.WithoutRepetitions({GraspAt(0.005), GraspAt(0.05)}, {}, options);
   ASSERT_EQ(fresh.size(), 1u);
   EXPECT_EQ(fresh[0].X_WG.translation().x(), 0.05);
-  EXPECT_TRUE(memory.WithoutRepetitions({at(0.005)}, {}, options).empty());
-  memory.Remember(at(0.05), nullptr, picked);
-  EXPECT_EQ(memory.WithoutRepetitions({at(0.005)}, {}, options).size(), 1u)
+  EXPECT_TRUE(memory.WithoutRepetitions({GraspAt(0.005)}, {}, options).empty());
+  memory.Remember(GraspAt(0.05), nullptr, picked);
+  EXPECT_EQ(memory.WithoutRepetitions({GraspAt(0.005)}, {}, options).size(), 1u)
       << "the way may be clear after a pick";
 }
 
 TEST(PoseFreeTrial, AnInstanceThatFailsTwiceComesAfterOthers) {
-  const auto at = [](double x_m) {
-    Grasp grasp;
-    grasp.hypothesis = kNoHypothesis;
-    grasp.X_WG = Translation({x_m, 0, 0.02});
-    return grasp;
-  };
-  const std::vector<Grasp> planned{at(0.03), at(0.1), at(0.2)};
+  const std::vector<Grasp> planned{GraspAt(0.03), GraspAt(0.1), GraspAt(0.2)};
   const TrialOptions options;
   GraspMemory memory;
-  memory.Remember(at(0), nullptr, {});
+  memory.Remember(GraspAt(0), nullptr, {});
   EXPECT_EQ(memory.WithoutRepetitions(planned, {}, options)[0].X_WG.translation().x(), 0.03);
-  memory.Remember(at(0.06), nullptr, {});
+  memory.Remember(GraspAt(0.06), nullptr, {});
   const std::vector<Grasp> fresh = memory.WithoutRepetitions(planned, {}, options);
   ASSERT_EQ(fresh.size(), 3u);
   EXPECT_EQ(fresh[0].X_WG.translation().x(), 0.1);
@@ -236,19 +233,13 @@ int FailuresBeforeAnother(const TrialResult& result) {
 }
 
 TEST(PoseFreeTrial, CountsFailuresNearTheHand) {
-  const auto at = [](double x_m) {
-    Grasp grasp;
-    grasp.hypothesis = kNoHypothesis;
-    grasp.X_WG = Translation({x_m, 0, 0.02});
-    return grasp;
-  };
   GraspMemory memory;
-  memory.Remember(at(0), nullptr, {});
-  memory.Remember(at(0.02), nullptr, {});
-  EXPECT_EQ(memory.FailuresNear(at(0.01)), 2);
-  EXPECT_EQ(memory.FailuresNear(at(0.05)), 1);
-  EXPECT_EQ(memory.FailuresNear(at(0.1)), 0);
-  Grasp with_pose = at(0.01);
+  memory.Remember(GraspAt(0), nullptr, {});
+  memory.Remember(GraspAt(0.02), nullptr, {});
+  EXPECT_EQ(memory.FailuresNear(GraspAt(0.01)), 2);
+  EXPECT_EQ(memory.FailuresNear(GraspAt(0.05)), 1);
+  EXPECT_EQ(memory.FailuresNear(GraspAt(0.1)), 0);
+  Grasp with_pose = GraspAt(0.01);
   with_pose.hypothesis = 0;
   EXPECT_EQ(memory.FailuresNear(with_pose), 0);
 }
