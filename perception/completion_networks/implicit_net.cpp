@@ -2,6 +2,7 @@
 
 #include "perception/completion_networks/completion_net.h"
 #include "perception/completion_networks/image_unet.h"
+#include "perception/completion_networks/implicit_decoder.h"
 #include "perception/completion_networks/volume_blocks.h"
 #include "perception/networks/fixed_layers.h"
 
@@ -10,6 +11,16 @@ namespace {
 
 constexpr int64_t kHalf = kInputCells / 2;
 constexpr int64_t kFirstChannels = 8 * kInputChannels;
+
+DenseLayer Plain(const torch::nn::Linear& layer) {
+  return {layer->weight.data_ptr<float>(), layer->bias.data_ptr<float>(), layer->weight.size(1),
+          layer->weight.size(0)};
+}
+
+// `code` is 1 x features x depth x height x width.
+FeatureGrid Plain(const at::Tensor& code) {
+  return {code.data_ptr<float>(), code.size(2), code.size(3), code.size(4), code.size(1)};
+}
 
 struct ImplicitNet : CompletionNet {
   explicit ImplicitNet(const CompletionNetworkOptions& o) {
@@ -52,15 +63,33 @@ struct ImplicitNet : CompletionNet {
   }
 
   at::Tensor Decode(const CompletionCode& code, const at::Tensor& queries) override {
+    if (!ComputedByLibtorch(hidden_1->weight, queries)) return DecodePlain(code, queries);
     const at::Tensor in_image = queries.slice(2, kImagePlace, kImagePlace + 2);
     const at::Tensor on_plane =
         torch::cat({in_image, torch::zeros_like(in_image.slice(2, 0, 1))}, 2);
     at::Tensor x = torch::cat({SampledCode(code.volume, queries.slice(2, 0, 3)),
                                SampledCode(code.image, on_plane), queries},
                               2);
-    x = torch::relu(ApplyLinear(hidden_1, x));
-    x = torch::relu(ApplyLinear(hidden_2, x));
-    return ApplyLinear(last, x).squeeze(2);
+    x = torch::relu(hidden_1(x));
+    x = torch::relu(hidden_2(x));
+    return last(x).squeeze(2);
+  }
+
+  at::Tensor DecodePlain(const CompletionCode& code, const at::Tensor& queries) const {
+    const at::Tensor values = queries.contiguous();
+    const int64_t points = values.size(1);
+    at::Tensor logits = torch::empty({values.size(0), points});
+    for (int64_t n = 0; n < values.size(0); ++n) {
+      const CompletionCode own = code.Rows(n, n + 1);
+      // All features of a place are read at once.
+      const at::Tensor volume = own.volume.contiguous(at::MemoryFormat::ChannelsLast3d);
+      const at::Tensor image = own.image.contiguous(at::MemoryFormat::ChannelsLast3d);
+      const ImplicitDecoder decoder(Plain(volume), Plain(image),
+                                    {Plain(hidden_1), Plain(hidden_2), Plain(last)});
+      decoder.Decode(values.data_ptr<float>() + n * points * kQueryValues, points,
+                     logits.data_ptr<float>() + n * points);
+    }
+    return logits;
   }
 
   // Mean cross-entropy of all queries.
