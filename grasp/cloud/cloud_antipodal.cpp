@@ -151,8 +151,8 @@ PlanResult CloudAntipodal::Plan(const PlannerInput& input) {
     }
     const ParallelJaw& jaw = *jaws_[grasp.tool];
     const std::optional<double> opening_m = jaw.ApproachOpening_m(grasp.width_m);
-    if (!opening_m || FindBinContact(HandSweep(jaw, *opening_m), grasp.X_BG, bin_boxes,
-                                     options_.bin_clearance_m)) {
+    if (!opening_m ||
+        HandMeetsBin(jaw, *opening_m, grasp.X_BG, bin_boxes, options_.bin_clearance_m)) {
       ++result.rejected["bin wall"];
       continue;
     }

@@ -47,6 +47,13 @@ std::optional<BinContact> FindBinContact(std::span<const AxisAlignedBox> boxes_G
   return std::nullopt;
 }
 
+bool HandMeetsBin(const Gripper& gripper, double opening_m, const Pose& X_WG,
+                  std::span<const AxisAlignedBox> bin_boxes, double clearance_m) {
+  if (FindBinContact(HandSweep(gripper, opening_m), X_WG, bin_boxes, clearance_m)) return true;
+  const std::optional<AxisAlignedBox> between = gripper.RegionBetween(opening_m);
+  return between && FindBinContact({&*between, 1}, X_WG, bin_boxes, 0);
+}
+
 SurfaceBand::SurfaceBand(const Eigen::Matrix3Xd& points_O, double band_m) : voxel_m_(0.5 * band_m) {
   const double pad = band_m + voxel_m_;
   corner_ = points_O.rowwise().minCoeff().array() - pad;

@@ -31,6 +31,12 @@ std::optional<BinContact> FindBinContact(std::span<const AxisAlignedBox> boxes_G
                                          std::span<const AxisAlignedBox> bin_boxes,
                                          double clearance_m);
 
+// Returns whether a hand meets the bin on its straight approach or when it closes. The sweep keeps
+// `clearance_m` from the boxes of the bin. Fingers on both sides of a wall close on the wall, not
+// on an object, so the region between them must not meet the bin either.
+bool HandMeetsBin(const Gripper& gripper, double opening_m, const Pose& X_WG,
+                  std::span<const AxisAlignedBox> bin_boxes, double clearance_m);
+
 // Set of the points within `band_m` of the surface points of an object, at a resolution of half of
 // `band_m`.
 class SurfaceBand {

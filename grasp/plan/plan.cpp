@@ -384,16 +384,16 @@ class CandidateCheck {
     });
   }
 
-  bool MeetsBin(std::span<const AxisAlignedBox> sweep, const Grasp& grasp) const {
-    return FindBinContact(sweep, grasp.X_WG, bin_boxes_, options_.bin_clearance_m).has_value();
+  bool MeetsBin(double opening_m, const Grasp& on) const {
+    return HandMeetsBin(input_.gripper, opening_m, on.X_WG, bin_boxes_, options_.bin_clearance_m);
   }
 
   Cause CheckBin(const Pending& pending, Grasp& grasp) const {
     const double opening_m = OpeningOf(pending);
     const auto sweep = HandSweep(input_.gripper, opening_m);
     if (!KeepOffFloor(sweep, CandidateOf(pending).depth_m, grasp)) return kBinFloor;
-    if (MeetsBin(sweep, grasp) &&
-        (!KeepOffWalls(opening_m, grasp) || MeetsBin(sweep, grasp) || MeetsTarget(sweep, grasp))) {
+    if (MeetsBin(opening_m, grasp) && (!KeepOffWalls(opening_m, grasp) ||
+                                       MeetsBin(opening_m, grasp) || MeetsTarget(sweep, grasp))) {
       return kBinWall;
     }
     return kFree;

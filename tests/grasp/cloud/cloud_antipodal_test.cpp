@@ -205,5 +205,17 @@ TEST(CloudAntipodal, RefusesWhatItCannotWorkWith) {
   EXPECT_THAT(ErrorOf([&] { CloudPlan().Of(input); }), HasSubstr("has no depth"));
 }
 
+// A box that leans on a low wall hides it, so that box and wall look like one object.
+TEST(CloudAntipodal, DoesNotCloseAcrossAWall) {
+  CloudScene scene;
+  scene.AddBox({0.02, 0.06, 0.045}, OnFloor(0.139, 0, 0.045, 0));
+  CloudPlan plan;
+  const PlanResult result = plan.Of(scene.Input(1000));
+  for (const Grasp& grasp : result.grasps) {
+    EXPECT_FALSE(HandMeetsBin(plan.jaw(), *plan.jaw().ApproachOpening_m(grasp.width_m), grasp.X_WG,
+                              BinBoxes(scene.bin()), 0));
+  }
+}
+
 }  // namespace
 }  // namespace pickbed::tests

@@ -69,6 +69,23 @@ TEST(Clearance, FingertipsKeepTheirClearanceFromTheFloor) {
   EXPECT_LT(contact->hand_box, 2);
 }
 
+// A jaw may reach over the rim, but not close on the wall between its fingers.
+TEST(Clearance, FingersOnBothSidesOfAWallMeetTheBin) {
+  Bin bin;
+  bin.inner_size_m = {0.4, 0.3, 0.12};
+  const auto boxes = BinBoxes(bin);
+  const double wall_m = 0.5 * bin.inner_size_m.x() + 0.5 * bin.wall_m;
+  const auto meets = [&](const Pose& X_WG) {
+    return HandMeetsBin(SmallJaw(), 0.07, X_WG, boxes, 0.002);
+  };
+  const Pose across = FromAbove({wall_m, 0, 0.09});
+  EXPECT_FALSE(FindBinContact(HandSweep(SmallJaw(), 0.07), across, boxes, 0.002));
+  EXPECT_TRUE(meets(across));
+  EXPECT_TRUE(meets(FromAbove({wall_m, 0, bin.inner_size_m.z() - 0.001})));
+  EXPECT_FALSE(meets(FromAbove({wall_m, 0, bin.inner_size_m.z() + 0.004})));
+  EXPECT_FALSE(meets(FromAbove({0, 0, 0.09})));
+}
+
 TEST(Clearance, SweepExtendsBackByTheApproach) {
   const ParallelJaw gripper = SmallJaw();
   const HandSpec& hand = gripper.hand;
