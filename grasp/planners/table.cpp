@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "grasp/cloud/cloud_antipodal.h"
+#include "grasp/cloud/cloud_suction.h"
 #include "grasp/completed/completed_planner.h"
 #include "grasp/planners/pose_planner.h"
 #include "grasp/planners/program_planner.h"
@@ -22,11 +23,13 @@ std::unique_ptr<Planner> MakeProgram(const PlannerSetup& setup) {
   return std::make_unique<ProgramPlanner>(setup, kGivesPoses);
 }
 
-constexpr std::array<PlannerRow, 6> kPlanners{{
+constexpr std::array<PlannerRow, 7> kPlanners{{
     {kPosePlanner, "grasp candidates of the known objects at their estimated poses", true,
      Make<PosePlanner>},
     {"cloud_antipodal", "opposing faces of the observed surface, without poses and object models",
      false, Make<CloudAntipodal>},
+    {"cloud_suction", "flat places of the observed surface, for suction cups", false,
+     Make<CloudSuction>},
     {"completed", "completed shapes of unknown objects, without poses and object models", false,
      Make<CompletedPlanner>, true},
     {"skirt", "like completed, with the seen surface and 15 mm behind it as the shape", false,
