@@ -4,7 +4,10 @@
 #include <limits>
 
 #include "grasp/candidates/jaw_wrenches.h"
+#include "grasp/cloud/cloud_antipodal.h"
+#include "grasp/cloud/cloud_suction.h"
 #include "grasp/grippers/parallel_jaw.h"
+#include "grasp/grippers/suction_cup.h"
 #include "scenes/base/error.h"
 #include "scenes/base/math.h"
 #include "scenes/base/random.h"
@@ -33,6 +36,8 @@ double PadFriction(const std::vector<std::shared_ptr<const Gripper>>& tools) {
   }
   return 1;
 }
+
+bool IsSuction(const Gripper& tool) { return dynamic_cast<const SuctionCup*>(&tool) != nullptr; }
 
 // Largest closed piece of a mesh. Small pieces are noise of the occupancy, and an object has one.
 TriangleMesh LargestPiece(const TriangleMesh& mesh) {
@@ -124,6 +129,22 @@ std::optional<double> LowestPoint_m(const PlannerInput& input) {
   return lowest_m;
 }
 
+// Sorts the grasps and leaves out weak ones and the ones over a number.
+void KeepBest(double min_score, int max_grasps, PlanResult& plan) {
+  std::stable_sort(plan.grasps.begin(), plan.grasps.end(),
+                   [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
+  const auto leave_out = [&](std::vector<Grasp>::iterator first, const char* cause) {
+    if (first == plan.grasps.end()) return;
+    plan.rejected[cause] += static_cast<int>(plan.grasps.end() - first);
+    plan.grasps.erase(first, plan.grasps.end());
+  };
+  leave_out(std::ranges::find_if(plan.grasps,
+                                 [&](const Grasp& grasp) { return grasp.score < min_score; }),
+            "score too low");
+  const int left = std::min(max_grasps, static_cast<int>(plan.grasps.size()));
+  leave_out(plan.grasps.begin() + left, "outranked");
+}
+
 }  // namespace
 
 CompletedPlannerOptions::CompletedPlannerOptions() {
@@ -150,13 +171,14 @@ CompletedPlannerOptions::CompletedPlannerOptions() {
 void CompletedPlannerOptions::Visit(SettingsVisitor& v) {
   const Range probability{0.01, 0.99};
   v.Integer("max_shapes", max_shapes, {1, 1000}, "number of objects that are completed");
-  v.Real("min_score", min_score, {0, 1},
-         "score under which a grasp comes after the grasps on the observed surface");
   v.Real("min_reported_score", min_reported_score, {0, 1},
-         "score under which a grasp is not reported");
+         "chance of success under which a grasp is not reported");
   v.Integer("smoothing", smoothing, {0, 10}, "number of passes of the smoothing of a shape");
-  v.Bool("has_fallback", has_fallback,
-         "whether jaws also grasp the observed surface if completed shapes give too few grasps");
+  v.RenamedKey("has_fallback", "grasps_observed");
+  v.Bool("grasps_observed", grasps_observed, "whether the hands also grasp the observed surface");
+  v.Group(
+      "chance", [this](SettingsVisitor& g) { chance.Visit(g); },
+      "log odds of success of a grasp, which give its score");
   v.Real("surface_level", surface_level, probability, "probability at the grasped surface");
   v.Real("possible_level", possible_level, probability,
          "probability from which a hand keeps out of a cell");
@@ -184,10 +206,16 @@ CompletedPlanner::CompletedPlanner(const PlannerSetup& setup,
   CheckInput(setup.shapes != nullptr,
              "planner completed needs shapes of objects, which this program does not give; choose "
              "planner cloud_antipodal");
-  const bool has_jaws = std::all_of(setup.tools.begin(), setup.tools.end(), [](const auto& tool) {
-    return dynamic_cast<const ParallelJaw*>(tool.get()) != nullptr;
-  });
-  if (options_.has_fallback && has_jaws) fallback_ = std::make_unique<CloudAntipodal>(setup);
+  if (!options_.grasps_observed) return;
+  std::vector<std::shared_ptr<const Gripper>> jaws, cups;
+  for (const auto& tool : setup.tools) {
+    (IsSuction(*tool) ? cups : jaws).push_back(tool);
+  }
+  const auto setup_with = [&](const std::vector<std::shared_ptr<const Gripper>>& tools) {
+    return PlannerSetup{setup.spec, tools, setup.objects, setup.candidates, {}};
+  };
+  if (!jaws.empty()) on_surface_.push_back(std::make_unique<CloudAntipodal>(setup_with(jaws)));
+  if (!cups.empty()) on_surface_.push_back(std::make_unique<CloudSuction>(setup_with(cups)));
 }
 
 double CompletedPlanner::MaxTilt_rad() const {
@@ -227,10 +255,13 @@ std::vector<CompletedPlanner::Completed> CompletedPlanner::MakeObjects(const Pla
   return completed;
 }
 
+const Gripper& CompletedPlanner::ToolOf(const Grasp& grasp) const {
+  return **std::find_if(setup_.tools.begin(), setup_.tools.end(),
+                        [&](const auto& tool) { return tool->name == grasp.tool; });
+}
+
 bool CompletedPlanner::PassesPossibleMatter(const ObstacleField& possible, Grasp& grasp) const {
-  const Gripper& tool = *std::find_if(setup_.tools.begin(), setup_.tools.end(), [&](const auto& t) {
-                           return t->name == grasp.tool;
-                         })->get();
+  const Gripper& tool = ToolOf(grasp);
   const std::vector<uint8_t> none{0};  // its points are one group
   for (int step = 0; step <= options_.max_wider; ++step) {
     const double width_m = grasp.width_m + step * options_.wider_m;
@@ -244,6 +275,20 @@ bool CompletedPlanner::PassesPossibleMatter(const ObstacleField& possible, Grasp
     if (tool.MaxOpening_m() <= 0) return false;
   }
   return false;
+}
+
+// The score of the planner on poses ranks candidates of one shape, but does not predict which
+// grasps succeed. Grasps with equal chances keep their order.
+void CompletedPlanner::SetChances(const HiddenSpace& hidden, std::vector<Grasp>& grasps) const {
+  const PlanOptions& plan = options_.plan;
+  for (Grasp& grasp : grasps) {
+    const Gripper& tool = ToolOf(grasp);
+    const double opening_m = tool.ApproachOpening_m(grasp.width_m).value_or(tool.MaxOpening_m());
+    const double hidden_m =
+        hidden.MeanDepth_m(HandSweep(tool, opening_m), grasp.X_WG, plan.hidden_step_m);
+    grasp.score = options_.chance.Of(
+        {GraspedSurface::kCompleted, IsSuction(tool), grasp.score, grasp.width_m, hidden_m});
+  }
 }
 
 PlanResult CompletedPlanner::PlanOn(const std::vector<Completed>& completed,
@@ -290,18 +335,7 @@ PlanResult CompletedPlanner::PlanOn(const std::vector<Completed>& completed,
     plan.grasps = std::move(passed);
     break;
   }
-  std::stable_sort(plan.grasps.begin(), plan.grasps.end(),
-                   [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
-  const auto too_low = std::ranges::find_if(
-      plan.grasps, [&](const Grasp& grasp) { return grasp.score < options_.min_reported_score; });
-  if (too_low != plan.grasps.end()) {
-    plan.rejected["score too low"] = static_cast<int>(plan.grasps.end() - too_low);
-  }
-  plan.grasps.erase(too_low, plan.grasps.end());
-  if (plan.grasps.size() > static_cast<size_t>(input.max_grasps)) {
-    plan.rejected["outranked"] += static_cast<int>(plan.grasps.size()) - input.max_grasps;
-    plan.grasps.resize(input.max_grasps);
-  }
+  SetChances(hidden, plan.grasps);
   for (Grasp& grasp : plan.grasps) {
     grasp.X_WG = bin.X_WB * grasp.X_WG;
     grasp.hypothesis = kNoHypothesis;
@@ -326,20 +360,16 @@ PlanResult CompletedPlanner::Plan(const PlannerInput& input) {
   if (!completed.empty()) {
     plan = PlanOn(completed, input, {input.bin ? input.bin->bin : table, X_WB});
   }
-  if (fallback_ == nullptr) return plan;
-  // Grasps are sorted. Weak ones come after the grasps on the observed surface.
-  const auto weak = std::find_if(plan.grasps.begin(), plan.grasps.end(), [&](const Grasp& grasp) {
-    return grasp.score < options_.min_score;
-  });
-  if (weak - plan.grasps.begin() >= input.max_grasps) return plan;
-  PlanResult on_surface = fallback_->Plan(input);
-  const double limit = weak == plan.grasps.begin() ? 1 : std::prev(weak)->score;
-  for (Grasp& grasp : on_surface.grasps) grasp.score = std::min(grasp.score, limit);
-  plan.grasps.insert(weak, on_surface.grasps.begin(), on_surface.grasps.end());
-  if (plan.grasps.size() > static_cast<size_t>(input.max_grasps)) {
-    plan.grasps.resize(input.max_grasps);
+  for (const auto& planner : on_surface_) {
+    PlanResult observed = planner->Plan(input);
+    for (Grasp& grasp : observed.grasps) {
+      grasp.score = options_.chance.Of(
+          {GraspedSurface::kObserved, IsSuction(ToolOf(grasp)), grasp.score, grasp.width_m, 0});
+    }
+    plan.grasps.insert(plan.grasps.end(), observed.grasps.begin(), observed.grasps.end());
+    for (const auto& [cause, count] : observed.rejected) plan.rejected[cause] += count;
   }
-  for (const auto& [cause, count] : on_surface.rejected) plan.rejected[cause] += count;
+  KeepBest(options_.min_reported_score, input.max_grasps, plan);
   return plan;
 }
 

@@ -7,8 +7,9 @@
 // (grasp/completed/occupancy_shape.h). The surface at a probability near one half takes the place
 // of a CAD mesh: grasp candidates are sampled on it, and the planner on poses (grasp/plan/plan.h)
 // checks and ranks them against the bin, the observed points, the other objects and the space that
-// the image does not show. If it finds fewer grasps than wanted, jaws also grasp the observed
-// surface (grasp/cloud/cloud_antipodal.h).
+// the image does not show. Jaws also grasp the observed surface (grasp/cloud/cloud_antipodal.h).
+// The score of a grasp is its estimated chance of success (grasp/completed/success_chance.h), so
+// that both kinds of grasps are ranked together.
 //
 //          p > surface_level: grasped surface      A hand also keeps out of possible matter, where
 //          ______                                  the probability is over `possible_level`. A jaw
@@ -21,29 +22,29 @@
 #include <vector>
 
 #include "grasp/candidates/candidates.h"
-#include "grasp/cloud/cloud_antipodal.h"
 #include "grasp/completed/occupancy_shape.h"
+#include "grasp/completed/success_chance.h"
 #include "grasp/plan/clearance.h"
 #include "grasp/plan/planner.h"
 
 namespace pickbed::grasp {
 
 struct CompletedPlannerOptions {
-  int max_shapes = 10;               // objects that are completed, from the highest one
-  int smoothing = 2;                 // passes of Smoothed()
-  bool has_fallback = true;          // jaws also grasp the observed surface if grasps are missing
-  double min_score = 0.15;           // weaker grasps come after the ones on the observed surface
-  double min_reported_score = 0.05;  // weaker grasps are not reported
-  double surface_level = 0.45;       // probability at the grasped surface
-  double possible_level = 0.3;       // probability from which a hand keeps out
-  double relaxed_level = 0.5;        // the same if no grasp is found otherwise
-  double wider_m = 0.003;            // step by which a jaw opens wider to pass possible matter
-  int max_wider = 6;                 // number of these steps
-  double wide_share = 0.05;          // share of the score that each step removes
-  int max_candidates = 120;          // candidates of an object for one jaw, from above
-  double density_kgpm3 = 1500;       // assumed density of an object
-  int tested_grasps = 300;           // planned grasps that are tested against possible matter
-  PlanOptions plan = {};             // max_grasps, seed and max_tilt_rad are set by each call
+  int max_shapes = 10;                    // objects that are completed, from the highest one
+  int smoothing = 2;                      // passes of Smoothed()
+  bool grasps_observed = true;            // hands also grasp the observed surface
+  SuccessChance chance = {};              // score of a grasp
+  double min_reported_score = 0.05;       // grasps with a smaller chance are not reported
+  double surface_level = 0.45;            // probability at the grasped surface
+  double possible_level = 0.3;            // probability from which a hand keeps out
+  double relaxed_level = 0.5;             // the same if no grasp is found otherwise
+  double wider_m = 0.003;                 // step by which a jaw opens wider to pass possible matter
+  int max_wider = 6;                      // number of these steps
+  double wide_share = 0.05;               // share of the score that each step removes
+  int max_candidates = 120;               // candidates of an object for one jaw, from above
+  double density_kgpm3 = 1500;            // assumed density of an object
+  int tested_grasps = 300;                // planned grasps that are tested against possible matter
+  PlanOptions plan = {};                  // max_grasps, seed and max_tilt_rad are set by each call
   GraspCandidateOptions candidates = {};  // set to fewer samples by the constructor
   CompletedPlannerOptions();
   void Visit(SettingsVisitor& v);
@@ -55,8 +56,9 @@ class CompletedPlanner : public Planner {
   explicit CompletedPlanner(const PlannerSetup& setup, const CompletedPlannerOptions& options = {});
 
   // Without a known bin, the lowest observed point is taken as the height of a table. Causes of
-  // rejection: as PlanWithTools(), "possible matter" and "score too low". Without objects, jaws
-  // grasp the observed surface if `has_fallback`, and other grippers have no grasp.
+  // rejection: as PlanWithTools(), as CloudAntipodal, "possible matter" and "score too low".
+  // Without objects, jaws grasp the observed surface if `grasps_observed`, and other grippers have
+  // no grasp.
   PlanResult Plan(const PlannerInput& input) override;
 
  private:
@@ -65,11 +67,13 @@ class CompletedPlanner : public Planner {
   std::vector<Completed> MakeObjects(const PlannerInput& input, const Pose& X_BW) const;
   PlanResult PlanOn(const std::vector<Completed>& objects, const PlannerInput& input,
                     const BinPlacement& bin) const;
+  const Gripper& ToolOf(const Grasp& grasp) const;
   bool PassesPossibleMatter(const ObstacleField& possible, Grasp& grasp) const;
+  void SetChances(const HiddenSpace& hidden, std::vector<Grasp>& grasps) const;
 
   const PlannerSetup setup_;
   const CompletedPlannerOptions options_;
-  std::unique_ptr<CloudAntipodal> fallback_;  // null: none
+  std::vector<std::unique_ptr<Planner>> on_surface_;  // of jaws and of cups; empty: none
 };
 
 }  // namespace pickbed::grasp

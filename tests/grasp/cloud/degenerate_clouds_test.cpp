@@ -133,7 +133,7 @@ TEST_F(DegeneratePlans, GraspsOnCompletedShapesAreFinite) {
     PlannerSetup setup = Setup();
     setup.shapes = &source;
     CompletedPlannerOptions options;
-    options.has_fallback = false;
+    options.grasps_observed = false;
     CompletedPlanner planner(setup, options);
     ExpectSound(planner.Plan(scene.Input()), std::to_string(shape.size));
   }

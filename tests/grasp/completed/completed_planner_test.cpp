@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
+#include "grasp/cloud/cloud_antipodal.h"
 #include "grasp/grippers/suction_cup.h"
 #include "grasp/planners/table.h"
 #include "tests/grasp/cloud/cloud_scene.h"
@@ -38,7 +41,7 @@ class CompletedPlan {
   static CompletedPlannerOptions Options(double min_reported_score) {
     CompletedPlannerOptions options;
     options.min_reported_score = min_reported_score;
-    options.has_fallback = false;
+    options.grasps_observed = false;
     return options;
   }
   PlannerSetup Setup() {
@@ -205,19 +208,67 @@ TEST(CompletedPlanner, GraspsTheObservedSurfaceIfShapesGiveNoGrasp) {
   EXPECT_EQ(result.grasps.front().X_WG.matrix(), on_surface.grasps.front().X_WG.matrix());
 }
 
-// The threshold splits the grasps of the sphere: all better ones stay, in their order.
+// The shape of an object at a wall may reach through the wall.
+TEST(CompletedPlanner, DoesNotCloseAcrossAWall) {
+  CloudScene scene;
+  const Vector3d size(0.04, 0.05, 0.045);
+  const Pose pose = OnFloor(0.148, 0, size.z(), 0);
+  scene.AddBox({0.02, 0.05, 0.045}, OnFloor(0.139, 0, 0.045, 0));
+  const auto across = [&](const PlanResult& result, const CompletedPlan& plan) {
+    return std::ranges::count_if(result.grasps, [&](const Grasp& grasp) {
+      const double opening_m = *plan.tool().ApproachOpening_m(grasp.width_m);
+      return HandMeetsBin(plan.tool(), opening_m, grasp.X_WG, BinBoxes(scene.bin()), 0);
+    });
+  };
+  CompletedPlan plan({BoxShape(size, pose)});
+  PlannerInput input = scene.Input(1000);
+  EXPECT_EQ(across(plan.Of(input), plan), 0);
+  input.bin.reset();
+  EXPECT_GT(across(plan.Of(input), plan), 0) << "an unknown bin, to show that the shape has them";
+}
+
+// The sphere has both kinds of grasps. Their order follows from their chances.
+TEST(CompletedPlanner, RanksBothKindsOfGraspsByTheirChance) {
+  const CloudScene scene = SphereScene();
+  const std::vector<std::shared_ptr<const Gripper>> tools{
+      std::make_shared<ParallelJaw>(SmallJaw())};
+  const ObjectSet objects;
+  const std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
+  GivenShapes shapes({SphereShape(kRadius_m, kSpherePose)});
+  PlannerSetup setup{PlannerSpec(), tools, objects, candidates, {}, 2};
+  setup.shapes = &shapes;
+  const PlanResult observed = CloudAntipodal(setup).Plan(scene.Input(20));
+  ASSERT_FALSE(observed.grasps.empty());
+  const auto is_observed = [&](const Grasp& grasp) {
+    return std::ranges::any_of(observed.grasps, [&](const Grasp& other) {
+      return other.X_WG.matrix() == grasp.X_WG.matrix();
+    });
+  };
+  for (const double shift : {-6.0, 6.0}) {
+    CompletedPlannerOptions options;
+    options.chance.completed += shift;
+    options.min_reported_score = 0;
+    const PlanResult all = CompletedPlanner(setup, options).Plan(scene.Input(20));
+    ASSERT_EQ(all.grasps.size(), 20u);
+    EXPECT_EQ(is_observed(all.grasps.front()), shift < 0);
+    EXPECT_TRUE(std::ranges::is_sorted(all.grasps, std::greater(), &Grasp::score));
+  }
+}
+
+// Without hidden space, all grasps of the sphere have the same chance.
 TEST(CompletedPlanner, LeavesWeakGraspsOut) {
   const CloudScene scene = SphereScene();
   const std::vector<OccupancyShape> shapes{SphereShape(kRadius_m, kSpherePose)};
   const PlanResult all = CompletedPlan(shapes).Of(scene.Input(20));
-  ASSERT_GT(all.grasps.size(), 2u);
+  ASSERT_FALSE(all.grasps.empty());
   const double best_score = all.grasps.front().score;
-  ASSERT_LT(all.grasps.back().score, best_score);
   const PlanResult best = CompletedPlan(shapes, nullptr, best_score).Of(scene.Input(20));
-  ASSERT_LT(best.grasps.size(), all.grasps.size());
+  ASSERT_FALSE(best.grasps.empty());
   EXPECT_EQ(best.grasps.front().X_WG.matrix(), all.grasps.front().X_WG.matrix());
   EXPECT_EQ(best.grasps.back().score, best_score);
-  EXPECT_GT(best.rejected.at("score too low"), 0);
+  const PlanResult none = CompletedPlan(shapes, nullptr, best_score + 0.01).Of(scene.Input(20));
+  EXPECT_TRUE(none.grasps.empty());
+  EXPECT_GT(none.rejected.at("score too low"), 0);
 }
 
 TEST(CompletedPlanner, NeedsASourceOfShapes) {

@@ -1,0 +1,44 @@
+#pragma once
+
+// Estimated chance that a grasp of an unknown object succeeds.
+//
+// Planners rank their own grasps by scores that mean different things. A logistic function of the
+// score and of a few measures of the grasp makes the grasps of different planners comparable. Its
+// coefficients were fitted to grasps that were executed in bins of unknown objects, see
+// docs/pages/guides/unknown_parts.md.
+
+#include "grasp/layer.h"
+#include "scenes/base/settings.h"
+
+namespace pickbed::grasp {
+
+// Surface on which a grasp was planned.
+enum class GraspedSurface { kCompleted, kObserved };
+
+// Measures of a planned grasp.
+struct GraspMeasures {
+  GraspedSurface surface = GraspedSurface::kCompleted;
+  bool is_suction = false;
+  double score = 1;     // by its planner, 0..1; not used for jaws on completed shapes
+  double width_m = 0;   // distance between the two contacts; used for jaws on completed shapes
+  double hidden_m = 0;  // mean depth of the fingers in space that the image does not show
+};
+
+// Coefficients of the log odds of success.
+struct SuccessChance {
+  double suction = 1.5;        // of a suction cup with score 1
+  double suction_score = 1;    // for each unit of the natural logarithm of its score
+  double observed = 1.9;       // of a jaw on the observed surface with score 1
+  double observed_score = 1;   // for each unit of the natural logarithm of its score
+  double completed = 0.9;      // of a jaw on a completed shape
+  double thin = 1.5;           // loss of a shape without thickness, which may be thicker
+  double full_width_m = 0.01;  // thickness from which there is no loss
+  double hidden = 1.5;         // loss of fingers that enter hidden space by full_hidden_m or more
+  double full_hidden_m = 0.01;
+
+  // Returns the chance of success, 0..1.
+  double Of(const GraspMeasures& grasp) const;
+  void Visit(SettingsVisitor& v);
+};
+
+}  // namespace pickbed::grasp
