@@ -22,6 +22,12 @@ namespace {
 
 enum Answer : char { kResult = 'r', kInputError = 'e', kNoMemory = 'm', kOther = 'o' };
 
+#if defined(__has_feature)  // clang
+#if __has_feature(address_sanitizer)
+#define __SANITIZE_ADDRESS__ 1
+#endif
+#endif
+
 // Whether a sanitizer maps more address space than any limit.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kMapsTerabytes = true;

@@ -10,8 +10,9 @@ namespace {
 constexpr int kChunk = 8;   // px of a row that are tested at once
 constexpr int kSmall = 64;  // px; up to this width and height, all products fit into 32 bits
 
-using Floats = float __attribute__((vector_size(4 * kChunk), aligned(4), may_alias));
-using Ints = int __attribute__((vector_size(4 * kChunk), aligned(4), may_alias));
+// clang ignores the alignment of a type that `using` names.
+typedef float Floats __attribute__((vector_size(4 * kChunk), aligned(4), may_alias));
+typedef int Ints __attribute__((vector_size(4 * kChunk), aligned(4), may_alias));
 constexpr Ints kLanes = {0, 1, 2, 3, 4, 5, 6, 7};
 static_assert(kChunk <= kRasterPadding);
 

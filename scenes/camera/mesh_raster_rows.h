@@ -58,7 +58,8 @@ int FillFaces(const ScreenVertices& vertices, const RasterTriangles& triangles,
 // Inlined, so that a clone does not call code that was compiled for narrower vectors.
 #define PICKBED_INLINE inline __attribute__((always_inline))
 
-// Four floats of an array; every x86-64 has instructions for them.
-using Four = float __attribute__((vector_size(16), aligned(4), may_alias));
+// Four floats of an array; every x86-64 has instructions for them. clang ignores the alignment of a
+// type that `using` names.
+typedef float Four __attribute__((vector_size(16), aligned(4), may_alias));
 
 }  // namespace pickbed::scenes

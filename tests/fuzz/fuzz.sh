@@ -2,8 +2,7 @@
 # Runs all fuzz targets under libFuzzer with the sanitizers, one after the other, each for an equal share of
 # the time. Exit status 1: a target failed, and the inputs are in build/fuzz/findings.
 #   fuzz.sh MINUTES [TARGET...]
-# Without targets, all but bop_*: these draw their seeds, and clang takes the vectors of the rasterizer for
-# aligned ones.
+# Without targets, all.
 # The corpora in build/fuzz/corpus grow from call to call.
 set -u
 root=$(cd "$(dirname "$0")/../.." && pwd)
@@ -11,7 +10,7 @@ minutes=$1
 shift
 build=$root/build/fuzz
 fuzzer=$build/pickbed_fuzzer
-if [ $# -gt 0 ]; then targets=("$@"); else mapfile -t targets < <("$fuzzer" --list | grep -v '^bop_'); fi
+if [ $# -gt 0 ]; then targets=("$@"); else mapfile -t targets < <("$fuzzer" --list); fi
 [ ${#targets[@]} -gt 0 ] || { echo "fuzz.sh: $fuzzer lists no targets" >&2; exit 1; }
 seconds=$((minutes * 60 / ${#targets[@]}))
 mkdir -p "$build/findings"
