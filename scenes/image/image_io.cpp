@@ -9,6 +9,7 @@
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/image/image_check.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -22,12 +23,12 @@ uint64_t BigEndian(const std::string& bytes, size_t at, int count) {
 // Returns the number of pixels that the header of a PNG or JPEG names; 0 for other formats.
 int64_t PixelsInHeader(const std::string& bytes) {
   constexpr size_t kPngSize = 16, kJpegFrame = 9;
-  if (bytes.starts_with("\x89PNG") && bytes.size() >= kPngSize + 8) {
+  if (IsPng(bytes) && bytes.size() >= kPngSize + 8) {
     const uint64_t width = BigEndian(bytes, kPngSize, 4),
                    height = BigEndian(bytes, kPngSize + 4, 4);
     return static_cast<int64_t>(std::min(width * height, uint64_t{1} << 62));
   }
-  if (!bytes.starts_with("\xff\xd8")) return 0;
+  if (!IsJpeg(bytes)) return 0;
   for (size_t at = 2; at + kJpegFrame < bytes.size() && bytes[at] == '\xff';) {
     const auto marker = static_cast<unsigned char>(bytes[at + 1]);
     const bool is_frame =
@@ -43,17 +44,42 @@ int64_t PixelsInHeader(const std::string& bytes) {
 // The largest image that is decoded. A PNG of a megabyte can hold an image of gigabytes.
 constexpr int64_t kMaxPixels = int64_t{1} << 26;
 
-// Returns an empty matrix if the bytes are no image, or one that is too large.
+// Throws InputError with the fault if the bytes are no image, a damaged one, or one that is too
+// large.
 cv::Mat Decode(const std::string& bytes, int flags) {
-  if (bytes.empty() || PixelsInHeader(bytes) > kMaxPixels) return {};
+  const std::string no_image = "it is no image, or one of more than 67 million pixels";
+  CheckInput(!bytes.empty() && PixelsInHeader(bytes) <= kMaxPixels, no_image);
+  const std::string fault = FaultOfImage(bytes);
+  CheckInput(fault.empty(), fault + "; save the image again");
   const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1,
                         const_cast<char*>(bytes.data()));
+  cv::Mat pixels;
   try {
-    return cv::imdecode(encoded, flags);
+    pixels = cv::imdecode(encoded, flags);
   } catch (const cv::Exception&) {  // for instance of a size that OpenCV refuses
-    return {};
+  }
+  CheckInput(!pixels.empty(), no_image);
+  return pixels;
+}
+
+// As above, for the bytes of a file, which the error names.
+cv::Mat DecodeFile(const std::filesystem::path& path, int flags) {
+  const std::string bytes = ReadFileBytes(path);
+  try {
+    return Decode(bytes, flags);
+  } catch (const InputError& error) {
+    throw InputError("cannot read '" + path.string() + "': " + error.what());
   }
 }
+
+Image<Rgb8> ToRgb(const cv::Mat& bgr) {
+  Image<Rgb8> image(bgr.cols, bgr.rows);
+  cv::Mat rgb(bgr.rows, bgr.cols, CV_8UC3, image.data());
+  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  return image;
+}
+
+constexpr int kColor = cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION;
 
 // The level is fixed, so that the same image gives the same bytes. Level 3 is twice as fast as
 // zlib's default of 6.
@@ -80,9 +106,7 @@ cv::Mat MatOf(const Image<Pixel>& image, int type) {
 // Reads a one-channel image without conversion. `what` describes the expected content in an error.
 template <typename Pixel>
 Image<Pixel> ReadChannel(const std::filesystem::path& path, int type, const char* what) {
-  const cv::Mat pixels = Decode(ReadFileBytes(path), cv::IMREAD_UNCHANGED);
-  CheckInput(!pixels.empty(), "cannot read '" + path.string() +
-                                  "': it is no image, or one of more than 67 million pixels");
+  const cv::Mat pixels = DecodeFile(path, cv::IMREAD_UNCHANGED);
   CheckInput(pixels.type() == type, "cannot read '" + path.string() + "' as " + what);
   Image<Pixel> image(pixels.cols, pixels.rows);
   for (int y = 0; y < pixels.rows; ++y) {
@@ -148,21 +172,9 @@ void WriteDepthPng(const std::filesystem::path& path, const Image<float>& depth_
   WritePng16(path, DepthUnits(depth_m, scale_mm));
 }
 
-std::optional<Image<Rgb8>> DecodeImage(const std::string& bytes) {
-  const cv::Mat bgr = Decode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
-  if (bgr.empty()) return std::nullopt;
-  Image<Rgb8> image(bgr.cols, bgr.rows);
-  cv::Mat rgb(bgr.rows, bgr.cols, CV_8UC3, image.data());
-  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
-  return image;
-}
+Image<Rgb8> DecodeImage(const std::string& bytes) { return ToRgb(Decode(bytes, kColor)); }
 
-Image<Rgb8> ReadPng(const std::filesystem::path& path) {
-  std::optional<Image<Rgb8>> image = DecodeImage(ReadFileBytes(path));
-  CheckInput(image.has_value(), "cannot read '" + path.string() +
-                                    "': it is no image, or one of more than 67 million pixels");
-  return *std::move(image);
-}
+Image<Rgb8> ReadPng(const std::filesystem::path& path) { return ToRgb(DecodeFile(path, kColor)); }
 
 Image<uint16_t> ReadPng16(const std::filesystem::path& path) {
   return ReadChannel<uint16_t>(path, CV_16UC1, "depth: it is not 16 bits with one channel");

@@ -3,7 +3,6 @@
 // Reads and writes PNG images: 8-bit colour, 8-bit masks and 16-bit depth. Encodes JPEG for pages.
 
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "scenes/image/image.h"
@@ -42,8 +41,8 @@ Image<Rgb8> Narrowed(const Image<Rgb8>& image, int width_px);
 // into 16 bits (above 6.5 m at 0.1 mm) and NaN become 0 = no reading.
 Image<uint16_t> DepthUnits(const Image<float>& depth_m, double scale_mm);
 
-// Decodes an image of any known format (PNG, JPEG, ...) from memory. Returns nullopt if the bytes
-// are not an image.
-std::optional<Image<Rgb8>> DecodeImage(const std::string& bytes);
+// Decodes an image of any known format (PNG, JPEG, ...) from memory. Throws InputError if the bytes
+// are no image, a damaged one, or one that is too large.
+Image<Rgb8> DecodeImage(const std::string& bytes);
 
 }  // namespace pickbed::scenes

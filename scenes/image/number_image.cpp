@@ -13,6 +13,7 @@
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/base/message_text.h"
+#include "scenes/image/image_check.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -204,6 +205,8 @@ std::string NumpyBytes(const Image<float>& values) {
 NumberImage ReadNumberImage(const std::filesystem::path& path) {
   const std::string bytes = ReadFileBytes(path);
   if (bytes.starts_with(kNumpyMagic)) return ReadNumpy(bytes, path.string());
+  const std::string fault = FaultOfImage(bytes);
+  CheckInput(fault.empty(), "cannot read '" + path.string() + "': " + fault);
   const cv::Mat pixels = DecodeAny(bytes);
   CheckInput(!pixels.empty(), "cannot read '" + path.string() +
                                   "': it is no PNG, TIFF, OpenEXR or NumPy file with one channel");

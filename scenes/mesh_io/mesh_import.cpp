@@ -16,7 +16,9 @@
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/image/image_check.h"
 #include "scenes/image/image_io.h"
+#include "scenes/mesh_io/material_check.h"
 #include "scenes/mesh_io/mesh_file_check.h"
 #include "scenes/mesh_io/mesh_join.h"
 #include "scenes/mesh_io/mesh_text_check.h"
@@ -48,10 +50,11 @@ Rgb8 ToRgb(const aiColor4D& c) { return {ToByte(c.r), ToByte(c.g), ToByte(c.b)};
 class TextureShelf {
  public:
   // `used` receives the names of the files that were looked for.
-  TextureShelf(const aiScene& scene, const fs::path& folder, std::set<fs::path>& used)
-      : scene_(scene), folder_(folder), used_(used) {}
+  TextureShelf(const aiScene& scene, const fs::path& path, std::set<fs::path>& used)
+      : scene_(scene), path_(path), folder_(path.parent_path()), used_(used) {}
 
-  // Returns the index of the material's texture, or kNoTexture if it has none or it is unreadable.
+  // Returns the index of the material's texture, or kNoTexture if there is none, or one of a format
+  // that cannot be read. Throws InputError for a damaged one.
   int IndexOf(const aiMaterial& material) {
     aiString name;
     if (material.GetTexture(aiTextureType_BASE_COLOR, 0, &name) != aiReturn_SUCCESS &&
@@ -72,8 +75,8 @@ class TextureShelf {
   std::optional<Image<Rgb8>> Read(const std::string& name) const {
     if (const aiTexture* embedded = scene_.GetEmbeddedTexture(name.c_str())) {
       if (embedded->mHeight != 0) return FromTexels(*embedded);
-      return DecodeImage(
-          std::string(reinterpret_cast<const char*>(embedded->pcData), embedded->mWidth));
+      return Decode(name,
+                    std::string(reinterpret_cast<const char*>(embedded->pcData), embedded->mWidth));
     }
     // Exporters write paths of their own machine. The image is then often in the mesh's folder.
     std::string portable = name;
@@ -81,9 +84,22 @@ class TextureShelf {
     for (const fs::path& path : {folder_ / portable, folder_ / fs::path(portable).filename()}) {
       std::error_code error;
       used_.insert(path);
-      if (fs::is_regular_file(path, error)) return DecodeImage(ReadFileBytes(path));
+      if (fs::is_regular_file(path, error)) return Decode(path, ReadFileBytes(path));
     }
     return std::nullopt;
+  }
+
+  // A PNG or JPEG must be whole. Other formats can be ones that OpenCV does not know.
+  std::optional<Image<Rgb8>> Decode(const fs::path& name, const std::string& bytes) const {
+    const std::string extension = LowerExtension(name);
+    const bool is_known = IsPng(bytes) || IsJpeg(bytes) || extension == ".png" ||
+                          extension == ".jpg" || extension == ".jpeg";
+    try {
+      return DecodeImage(bytes);
+    } catch (const InputError& error) {
+      if (!is_known) return std::nullopt;
+      RefuseUnreadable(path_, fmt::format("its texture '{}': {}", name.string(), error.what()));
+    }
   }
 
   static Image<Rgb8> FromTexels(const aiTexture& texture) {
@@ -95,6 +111,7 @@ class TextureShelf {
   }
 
   const aiScene& scene_;
+  const fs::path& path_;  // of the mesh
   fs::path folder_;
   std::set<fs::path>& used_;
   std::map<std::string, int> index_by_name_;
@@ -251,6 +268,9 @@ ImportedMesh ImportMesh(const fs::path& path, double scale) {
   importer.SetIOHandler(new NotingFiles(imported.used));  // the importer owns it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(path.string(), aiProcess_ValidateDataStructure);
+  for (const fs::path& file : imported.used) {
+    if (LowerExtension(file) == ".mtl") CheckMaterialFile(path, file);
+  }
   if (scene == nullptr || scene->mRootNode == nullptr) {
     RefuseUnreadable(path, importer.GetErrorString());
   }
@@ -258,7 +278,7 @@ ImportedMesh ImportMesh(const fs::path& path, double scale) {
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr) RefuseUnreadable(path, importer.GetErrorString());
   CheckFaceCount(path, CountFaces(*scene, *scene->mRootNode));
-  TextureShelf shelf(*scene, path.parent_path(), imported.used);
+  TextureShelf shelf(*scene, path, imported.used);
   std::vector<Submesh> submeshes;
   CollectSubmeshes(*scene, *scene->mRootNode, Eigen::Affine3d(Eigen::Scaling(scale)), shelf,
                    submeshes);

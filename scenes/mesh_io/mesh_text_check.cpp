@@ -13,26 +13,16 @@
 #include <vector>
 
 #include "scenes/base/message_text.h"
+#include "scenes/mesh_io/collada_check.h"
 #include "scenes/mesh_io/mesh_file_check.h"
 #include "scenes/mesh_io/number_words.h"
-#include "scenes/mesh_io/ply_text_check.h"
+#include "scenes/mesh_io/ply_check.h"
+#include "scenes/mesh_io/text_words.h"
 
 namespace pickbed::scenes {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::vector<std::string_view> WordsOf(std::string_view line) {
-  constexpr std::string_view kSpace = " \t\r";
-  std::vector<std::string_view> words;
-  line = line.substr(0, line.find('#'));
-  for (size_t at = line.find_first_not_of(kSpace); at != std::string_view::npos;) {
-    const size_t end = std::min(line.find_first_of(kSpace, at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = line.find_first_not_of(kSpace, end);
-  }
-  return words;
-}
 
 // Whether the word is a corner of a face: 1, 1/2, 1//3 or 1/2/3, also negative.
 bool IsCorner(std::string_view word) {
@@ -47,12 +37,6 @@ bool IsCorner(std::string_view word) {
     word.remove_prefix(end + 1);
   }
   return false;
-}
-
-bool IsKeyword(std::string_view word) {
-  return std::all_of(word.begin(), word.end(), [](unsigned char c) {
-    return c < 128 && (std::isalnum(c) != 0 || c == '_' || c == '-');
-  });
 }
 
 // The fault of a statement of an OBJ; empty = none.
@@ -141,7 +125,8 @@ void CheckMeshText(const fs::path& path) {
   const std::string extension = LowerExtension(path);
   if (extension == ".obj") CheckObjText(path);
   if (extension == ".stl") CheckStlText(path);
-  if (extension == ".ply") CheckPlyText(path);
+  if (extension == ".ply") CheckPly(path);
+  if (extension == ".dae") CheckCollada(path);
 }
 
 void CheckObjText(const fs::path& path) {

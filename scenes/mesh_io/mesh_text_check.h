@@ -6,8 +6,9 @@
 
 namespace pickbed::scenes {
 
-// Checks a mesh by its extension: as the next two functions, or CheckPlyText()
-// (scenes/mesh_io/ply_text_check.h). Other formats pass.
+// Checks a mesh by its extension: as the next two functions, CheckPly()
+// (scenes/mesh_io/ply_check.h) or CheckCollada() (scenes/mesh_io/collada_check.h). Other formats
+// pass.
 void CheckMeshText(const std::filesystem::path& path);
 
 // Checks the numbers of an OBJ: places, normals, texture coordinates and corners of faces. Unknown

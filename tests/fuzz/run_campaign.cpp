@@ -4,7 +4,8 @@
 //
 // CASES is the number of inputs of each target. OUT/TARGET gets the inputs that crash, hang, take
 // too much memory, or end in an error that does not name the file. OUT/accepted gets every
-// hundredth input that is accepted, to be looked at.
+// hundredth input that is accepted, to be looked at. OUT/seeds gets the contents that are mutated, to
+// be compared with them.
 
 #include <fmt/format.h>
 
@@ -22,6 +23,12 @@ namespace {
 void RunTarget(const FuzzTarget& target, int cases, uint64_t seed, const std::filesystem::path& out,
                std::array<int, kFuzzResults>& sum) {
   constexpr int kKeepEvery = 100;
+  int seed_number = 0;
+  for (const std::string& content : target.seeds()) {
+    MakeFolder(out / "seeds");
+    WriteFileAtomically(out / "seeds" / fmt::format("{}_{:03d}", target.name, seed_number++),
+                        content);
+  }
   const auto keep = [&](int number, const FuzzCase& result, const std::string& bytes) {
     const bool fine =
         result.result == FuzzResult::kAccepted || result.result == FuzzResult::kRefused;

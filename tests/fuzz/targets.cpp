@@ -16,7 +16,9 @@
 #include "perception/networks/verifier_file.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/image/image_check.h"
 #include "scenes/image/image_io.h"
+#include "scenes/image/number_image.h"
 #include "scenes/mesh_io/mesh_io.h"
 #include "scenes/mesh_io/scene_export.h"
 #include "scenes/objects/object_catalog.h"
@@ -252,6 +254,31 @@ Contents PngSeeds() {
           EncodeJpeg(Image<Rgb8>(9, 7), 90)};
 }
 
+// Gives the chunks of a mutated PNG right check sums, so that the decoder is reached.
+std::string WithRightCheckSums(std::string png) {
+  constexpr size_t kHead = 8, kFrame = 12;
+  const auto at = [&](size_t i) { return size_t{static_cast<unsigned char>(png[i])}; };
+  for (size_t chunk = kHead; chunk + kFrame <= png.size();) {
+    const size_t size = at(chunk) << 24 | at(chunk + 1) << 16 | at(chunk + 2) << 8 | at(chunk + 3);
+    if (size > png.size() - chunk - kFrame) break;
+    const size_t end = chunk + 8 + size;
+    const uint32_t sum = PngCheckSum(std::string_view(png).substr(chunk + 4, 4 + size));
+    for (int i = 0; i < 4; ++i) png[end + i] = static_cast<char>(sum >> (24 - 8 * i));
+    chunk = end + 4;
+  }
+  return png;
+}
+
+FuzzTarget PngChunkTarget() {
+  const auto run = [](const fs::path& folder, const std::string& bytes) {
+    const fs::path file = folder / "a.png";
+    WriteFileAtomically(file, WithRightCheckSums(bytes));
+    ReadPng(file);
+    ReadNumberImage(file);
+  };
+  return {"png_chunks", run, [] { return Contents{EncodePng(Image<uint16_t>(9, 7), 3)}; }};
+}
+
 std::string NumpyDepth() {
   std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (6, 8), }";
   header.resize(117, ' ');
@@ -358,6 +385,7 @@ std::vector<FuzzTarget> MakeTargets() {
       OneFile(
           "png16", "a.png", [](const fs::path& file) { ReadPng16(file); },
           [] { return Contents{EncodePng(Image<uint16_t>(9, 7), 3)}; }),
+      PngChunkTarget(),
       DepthTarget(),
       CloudTarget(),
       StoreTarget(),

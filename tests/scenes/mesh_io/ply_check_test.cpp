@@ -1,4 +1,4 @@
-#include "scenes/mesh_io/ply_text_check.h"
+#include "scenes/mesh_io/ply_check.h"
 
 #include <gmock/gmock.h>
 
@@ -58,19 +58,59 @@ TEST(PlyText, ValuesMustFitTheHeader) {
        "line 7 of its header is no statement of PLY: 'propert uchar red'"},
       {"an unknown version", Replaced("ascii 1.0", "ascii inf"), "the version 'inf' of PLY"},
       {"missing lines", Ply().substr(0, Ply().size() - 8), "it has 0 lines of them"},
+      {"lines after the end", Ply() + "\n3 0 1 2\n",
+       "line 18 is after its last element: '3 0 1 2'"},
+      {"an unknown format", Replaced("ascii", "asci"), "the unknown format 'asci'"},
       {"another format", "solid x\nfacet 1\n", ""},
   };
   for (const PlyCase& test : cases) {
     const TemporaryFolder folder;
     const std::string file = folder.Write("a.ply", test.bytes);
     if (test.message.empty()) {
-      EXPECT_NO_THROW(CheckPlyText(file)) << test.name;
+      EXPECT_NO_THROW(CheckPly(file)) << test.name;
       continue;
     }
-    const std::string message = InputErrorOf([&] { CheckPlyText(file); });
+    const std::string message = InputErrorOf([&] { CheckPly(file); });
     EXPECT_THAT(message, HasSubstr(test.message)) << test.name;
     EXPECT_THAT(message, HasSubstr(file)) << test.name;
     EXPECT_EQ(InputErrorOf([&] { LoadMesh(file); }), message) << test.name;
+  }
+}
+
+// One vertex of a double, and two faces with a list of 16 bits, a number and another list.
+std::string TwoFaces(bool is_big_endian) {
+  const auto number = [&](size_t bytes, int value) {
+    std::string text(bytes, '\0');
+    text[is_big_endian ? bytes - 1 : 0] = static_cast<char>(value);
+    return text;
+  };
+  const std::string form = is_big_endian ? "binary_big_endian" : "binary_little_endian";
+  const std::string face =
+      number(2, 3) + std::string(12, '\1') + number(1, 7) + number(4, 2) + std::string(16, '\1');
+  return "ply\nformat " + form +
+         " 1.0\nelement vertex 1\nproperty double x\nelement face 2\nproperty list ushort int "
+         "vertex_indices\nproperty char flag\nproperty list int float64 weight\nend_header\n" +
+         std::string(8, '\0') + face + face;
+}
+
+TEST(PlyBinary, HasExactlyTheElementsOfItsHeader) {
+  const TemporaryFolder folder;
+  for (const bool is_big_endian : {false, true}) {
+    const std::string ply = TwoFaces(is_big_endian);
+    EXPECT_NO_THROW(CheckPly(folder.Write("a.ply", ply)));
+    const size_t head = ply.find("end_header\n") + 11;
+    for (size_t size = head; size < ply.size(); ++size) {
+      const std::string file = folder.Write("cut.ply", ply.substr(0, size));
+      EXPECT_THAT(InputErrorOf([&] { CheckPly(file); }), HasSubstr("it ends within its elements"))
+          << size;
+    }
+    const std::string file = folder.Write("long.ply", ply + "\n");
+    EXPECT_THAT(InputErrorOf([&] { CheckPly(file); }), HasSubstr("1 bytes after its last element"));
+    std::string negative = ply;  // the size of the last list
+    const size_t size_at = ply.size() - 20;
+    for (size_t i = 0; i < 4; ++i) negative[size_at + i] = '\xff';
+    EXPECT_THAT(InputErrorOf([&] { CheckPly(folder.Write("negative.ply", negative)); }),
+                HasSubstr("has a negative size"));
   }
 }
 

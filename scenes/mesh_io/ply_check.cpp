@@ -1,13 +1,16 @@
-#include "scenes/mesh_io/ply_text_check.h"
+#include "scenes/mesh_io/ply_check.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scenes/base/message_text.h"
@@ -32,6 +35,27 @@ struct Element {
   size_t count = 0;
   std::vector<Property> properties;
 };
+
+enum class Form { kOther, kText, kLittleEndian, kBigEndian };
+
+struct Header {
+  Form form = Form::kOther;
+  std::vector<Element> elements;
+};
+
+Form FormNamed(const std::string& name) {
+  if (name == "ascii") return Form::kText;
+  if (name == "binary_little_endian") return Form::kLittleEndian;
+  return name == "binary_big_endian" ? Form::kBigEndian : Form::kOther;
+}
+
+// Bytes of a value in a binary file.
+size_t BytesOf(const std::string& type) {
+  if (type == "double" || type == "float64") return 8;
+  if (type.ends_with("char") || type.ends_with("int8")) return 1;
+  if (type.ends_with("short") || type.ends_with("int16")) return 2;
+  return 4;
+}
 
 // The range of an integer type. Other types have none.
 std::optional<Range> RangeOf(const std::string& type) {
@@ -107,11 +131,68 @@ void CheckRow(const Element& element, Row row) {
   row.RequireEnd();
 }
 
-// Reads the header. Returns nothing for a binary file or another format.
-std::vector<Element> ReadHeader(const std::filesystem::path& path, std::ifstream& file,
-                                size_t& line_number) {
-  std::vector<Element> elements;
-  bool is_text = false;
+// The values of a binary file, one after another.
+class BinaryValues {
+ public:
+  BinaryValues(const std::filesystem::path& path, std::string bytes, bool is_big_endian)
+      : path_(path), bytes_(std::move(bytes)), is_big_endian_(is_big_endian) {}
+
+  void Skip(const Element& element) {
+    size_t size = 0;
+    bool has_lists = false;
+    for (const Property& property : element.properties) {
+      size += BytesOf(property.type);
+      has_lists |= !property.count_type.empty();
+    }
+    if (!has_lists) return SkipBytes(element, element.count, size);
+    for (size_t i = 0; i < element.count; ++i) {
+      for (const Property& property : element.properties) {
+        size_t values = 1;
+        if (!property.count_type.empty()) values = TakeCount(element, property.count_type);
+        SkipBytes(element, values, BytesOf(property.type));
+      }
+    }
+  }
+  void RequireEnd() const {
+    if (at_ == bytes_.size()) return;
+    RefuseUnreadable(path_,
+                     fmt::format("it has {} bytes after its last element", bytes_.size() - at_));
+  }
+
+ private:
+  void SkipBytes(const Element& element, size_t count, size_t size) {
+    if (size > 0 && count > (bytes_.size() - at_) / size) {
+      RefuseUnreadable(path_,
+                       fmt::format("it ends within its elements '{}'", OneLine(element.name)));
+    }
+    at_ += count * size;
+  }
+  size_t TakeCount(const Element& element, const std::string& type) {
+    const size_t begin = at_, size = BytesOf(type);
+    SkipBytes(element, 1, size);
+    uint64_t count = 0;
+    for (size_t i = 0; i < size; ++i) {
+      const size_t place = is_big_endian_ ? i : size - 1 - i;
+      count = count << 8 | static_cast<unsigned char>(bytes_[begin + place]);
+    }
+    const bool is_signed = RangeOf(type)->min < 0;
+    if (is_signed && (count >> (8 * size - 1)) != 0) {
+      RefuseUnreadable(path_, fmt::format("a list of its elements '{}' has a negative size",
+                                          OneLine(element.name)));
+    }
+    return count;
+  }
+
+  const std::filesystem::path& path_;
+  std::string bytes_;
+  bool is_big_endian_;
+  size_t at_ = 0;
+};
+
+// Reads the header.
+Header ReadHeader(const std::filesystem::path& path, std::ifstream& file, size_t& line_number) {
+  Header header;
+  std::vector<Element>& elements = header.elements;
   for (std::string line; std::getline(file, line);) {
     ++line_number;
     std::istringstream words(line);
@@ -121,7 +202,10 @@ std::vector<Element> ReadHeader(const std::filesystem::path& path, std::ifstream
     if (key == "format") {
       std::string version;
       words >> key >> version;
-      is_text = key == "ascii";
+      header.form = FormNamed(key);
+      if (header.form == Form::kOther) {
+        RefuseUnreadable(path, fmt::format("it has the unknown format '{}'", OneLine(key)));
+      }
       if (version != "1.0") {
         RefuseUnreadable(path, fmt::format("it has the version '{}' of PLY, which is not 1.0",
                                            OneLine(version)));
@@ -147,17 +231,17 @@ std::vector<Element> ReadHeader(const std::filesystem::path& path, std::ifstream
                                          line_number, OneLine(line)));
     }
   }
-  if (!is_text) elements.clear();
-  return elements;
+  return header;
 }
 
-}  // namespace
+bool IsBlank(const std::string& line) {
+  return line.find_first_not_of(" \t\r") == std::string::npos;
+}
 
-void CheckPlyText(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  size_t line_number = 0;
-  for (const Element& element : ReadHeader(path, file, line_number)) {
-    std::string line;
+void CheckText(const std::filesystem::path& path, const Header& header, std::ifstream& file,
+               size_t line_number) {
+  std::string line;
+  for (const Element& element : header.elements) {
     for (size_t row = 0; row < element.count;) {
       ++line_number;
       if (!std::getline(file, line)) {
@@ -165,11 +249,31 @@ void CheckPlyText(const std::filesystem::path& path) {
                                            "of them",
                                            element.count, OneLine(element.name), row));
       }
-      if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+      if (IsBlank(line)) continue;
       CheckRow(element, Row(path, line_number, line));
       ++row;
     }
   }
+  while (std::getline(file, line)) {
+    ++line_number;
+    if (IsBlank(line)) continue;
+    RefuseUnreadable(
+        path, fmt::format("line {} is after its last element: '{}'", line_number, OneLine(line)));
+  }
+}
+
+}  // namespace
+
+void CheckPly(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  size_t line_number = 0;
+  const Header header = ReadHeader(path, file, line_number);
+  if (header.form == Form::kOther) return;
+  if (header.form == Form::kText) return CheckText(path, header, file, line_number);
+  std::string rest(std::istreambuf_iterator<char>(file), {});
+  BinaryValues values(path, std::move(rest), header.form == Form::kBigEndian);
+  for (const Element& element : header.elements) values.Skip(element);
+  values.RequireEnd();
 }
 
 }  // namespace pickbed::scenes

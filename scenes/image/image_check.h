@@ -1,0 +1,25 @@
+#pragma once
+
+// Checks of the bytes of an image, which OpenCV does not make. Its libraries repair damaged images
+// silently.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace pickbed::scenes {
+
+// Returns the fault of a PNG or JPEG as part of a sentence: "the PNG has 3 bytes after its end".
+// Empty: the image is whole, or of another format. It decodes a JPEG to find its faults, so check
+// its size first.
+std::string FaultOfImage(std::string_view bytes);
+
+// Returns the check sum that a PNG has of each chunk: of its name and content (RFC 2083, section
+// 15).
+uint32_t PngCheckSum(std::string_view bytes);
+
+// Whether the bytes begin as a PNG or a JPEG does.
+bool IsPng(std::string_view bytes);
+bool IsJpeg(std::string_view bytes);
+
+}  // namespace pickbed::scenes

@@ -1,0 +1,108 @@
+#include "scenes/mesh_io/material_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scenes/base/error.h"
+#include "scenes/base/message_text.h"
+#include "scenes/mesh_io/mesh_file_check.h"
+#include "scenes/mesh_io/number_words.h"
+#include "scenes/mesh_io/text_words.h"
+
+namespace pickbed::scenes {
+namespace {
+
+using Words = std::vector<std::string_view>;
+
+// Values of a statement of numbers.
+struct Numbers {
+  size_t fewest, limit;  // how many there are
+  double min, max;
+};
+
+constexpr double kAny = 1e9;
+// Colors are rounded by the programs that write them.
+constexpr Numbers kColor{1, 3, 0, 1 + 1e-3}, kLight{1, 3, 0, kAny}, kOne{1, 1, 0, kAny};
+
+// Statements with numbers. Those with P are from the extension for physically based rendering.
+const std::map<std::string_view, Numbers>& NumberStatements() {
+  static const std::map<std::string_view, Numbers> kStatements = {
+      {"Ka", kColor},      {"Kd", kColor},  {"Ks", kColor},  {"Ke", kLight}, {"Tf", kLight},
+      {"Tr", kOne},        {"d", kOne},     {"Ns", kOne},    {"Ni", kOne},   {"illum", kOne},
+      {"sharpness", kOne}, {"Pr", kOne},    {"Pm", kOne},    {"Ps", kOne},   {"Pc", kOne},
+      {"Pcr", kOne},       {"aniso", kOne}, {"anisor", kOne}};
+  return kStatements;
+}
+
+// Statements with other words.
+const std::vector<std::string>& OtherStatements() {
+  static const std::vector<std::string> kStatements = {
+      "newmtl", "map_Ka", "map_Kd", "map_Ks", "map_Ke",  "map_Ns",   "map_Ni",   "map_d",
+      "map_Tr", "map_Pr", "map_Pm", "map_Ps", "map_aat", "map_Bump", "map_bump", "map_opacity",
+      "bump",   "disp",   "decal",  "refl",   "norm",    "Km"};
+  return kStatements;
+}
+
+std::string Shown(std::string_view word) { return "'" + OneLine(std::string(word)) + "'"; }
+
+std::string FaultOfNumbers(const Words& words, const Numbers& form) {
+  const size_t count = words.size() - 1;
+  if (count < form.fewest || count > form.limit) return fmt::format("has {} numbers", count);
+  for (size_t i = 1; i < words.size(); ++i) {
+    const std::optional<double> value = NumberIn(words[i]);
+    if (!value) return Shown(words[i]) + " is no number";
+    if (!(*value >= form.min && *value <= form.max)) {
+      return fmt::format("has {} for {}, which is not within {} and {}", *value, words[0], form.min,
+                         std::floor(form.max));
+    }
+  }
+  return "";
+}
+
+// The fault of a statement; empty = none.
+std::string FaultOf(const Words& words) {
+  const std::string_view kind = words.front();
+  if (!IsKeyword(kind)) return fmt::format("begins with {}, which is no word", Shown(kind));
+  if (const auto known = NumberStatements().find(kind); known != NumberStatements().end()) {
+    return FaultOfNumbers(words, known->second);
+  }
+  const auto& others = OtherStatements();
+  if (std::find(others.begin(), others.end(), kind) != others.end()) {
+    return words.size() > 1 ? "" : fmt::format("has nothing after {}", kind);
+  }
+  // Words of one or two letters are not misspelled ones of other programs.
+  std::vector<std::string> all = others;
+  for (const auto& [name, form] : NumberStatements()) all.emplace_back(name);
+  const std::string near = NearestName(kind, all);
+  if (kind.size() > 2 && near.empty()) return "";
+  return fmt::format("begins with the unknown word {}{}", Shown(kind),
+                     near.empty() ? "" : "; did you mean " + near + "?");
+}
+
+}  // namespace
+
+void CheckMaterialFile(const std::filesystem::path& mesh, const std::filesystem::path& material) {
+  std::ifstream file(material, std::ios::binary);
+  size_t number = 0;
+  bool has_material = false;
+  for (std::string line; std::getline(file, line);) {
+    ++number;
+    const Words words = WordsOf(line);
+    if (words.empty()) continue;
+    std::string fault = FaultOf(words);
+    has_material |= words.front() == "newmtl";
+    if (fault.empty() && !has_material) fault = "is before the first newmtl";
+    if (fault.empty()) continue;
+    RefuseUnreadable(mesh, fmt::format("line {} of its material file '{}' {}", number,
+                                       material.string(), fault));
+  }
+}
+
+}  // namespace pickbed::scenes

@@ -1,0 +1,89 @@
+#include "scenes/image/image_check.h"
+
+#include <gmock/gmock.h>
+
+#include "scenes/base/random.h"
+#include "scenes/image/image_io.h"
+#include "scenes/image/number_image.h"
+#include "tests/scenes/shapes.h"
+
+namespace pickbed::tests {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+// Noise, whose JPEG has long codes, so that damage hits them.
+Image<Rgb8> Noise() {
+  Rng rng(3);
+  Image<Rgb8> image(64, 48);
+  for (Rgb8& p : image.pixels()) {
+    p = {static_cast<uint8_t>(rng.Next()), static_cast<uint8_t>(rng.Next()), 40};
+  }
+  return image;
+}
+
+// A description of the image, which decoders do not need: the part tEXt before the end.
+std::string PngWithText(const std::string& crc) {
+  std::string png = EncodePng(Noise(), 3);
+  const std::string text = std::string("\0\0\0\x03tEXta\0b", 11) + crc;
+  return png.insert(png.size() - 12, text);
+}
+
+TEST(FaultOfImage, WholeImagesHaveNone) {
+  EXPECT_EQ(FaultOfImage(EncodePng(Noise(), 3)), "");
+  EXPECT_EQ(FaultOfImage(EncodePng(Image<uint16_t>(5, 4), 3)), "");
+  EXPECT_EQ(FaultOfImage(EncodeJpeg(Noise(), 90)), "");
+  EXPECT_EQ(FaultOfImage("BM, another format"), "");
+}
+
+TEST(FaultOfImage, EveryFlippedBitAndEveryCutOfAPngIsNoticed) {
+  const std::string png = EncodePng(Image<uint16_t>(5, 4), 3);
+  const size_t magic = 4;  // without it, the bytes are no PNG
+  for (size_t bit = 8 * magic; bit < 8 * png.size(); ++bit) {
+    std::string damaged = png;
+    damaged[bit / 8] ^= static_cast<char>(1 << bit % 8);
+    EXPECT_NE(FaultOfImage(damaged), "") << bit;
+  }
+  for (size_t size = magic; size < png.size(); ++size) {
+    EXPECT_NE(FaultOfImage(png.substr(0, size)), "") << size;
+  }
+}
+
+TEST(FaultOfImage, PartsAndBytesThatDecodersSkipAreChecked) {
+  EXPECT_EQ(FaultOfImage(PngWithText("\x98\xb2\xd3\xee")).find("tEXt") != std::string::npos, true)
+      << "another check sum";
+  EXPECT_THAT(FaultOfImage(EncodePng(Noise(), 3) + "abc"), HasSubstr("3 bytes after its end"));
+}
+
+TEST(FaultOfImage, EveryCutOfAJpegIsNoticed) {
+  const std::string jpeg = EncodeJpeg(Noise(), 90);
+  for (size_t size = 2; size + 1 < jpeg.size(); size += 7) {
+    EXPECT_NE(FaultOfImage(jpeg.substr(0, size)), "") << size;
+  }
+  // Only its end mark is missing.
+  EXPECT_THAT(FaultOfImage(jpeg.substr(0, jpeg.size() - 2)), HasSubstr("the JPEG is damaged"));
+}
+
+TEST(FaultOfImage, DamagedDataOfAJpegIsNoticed) {
+  const std::string jpeg = EncodeJpeg(Noise(), 90);
+  std::string zeros = jpeg, short_data = jpeg;
+  zeros.replace(jpeg.size() / 2, 200, 200, '\xff');
+  short_data.erase(jpeg.size() / 2, 300);
+  EXPECT_NE(FaultOfImage(zeros), "");
+  EXPECT_NE(FaultOfImage(short_data), "");
+}
+
+TEST(FaultOfImage, ReadersNameFileAndFault) {
+  const TemporaryFolder folder;
+  const std::string depth = EncodePng(Image<uint16_t>(5, 4), 3) + "x";
+  const std::string file = folder.Write("a.png", depth);
+  const auto named = AllOf(HasSubstr(file), HasSubstr("1 bytes after its end"));
+  EXPECT_THAT(InputErrorOf([&] { ReadPng(file); }), named);
+  EXPECT_THAT(InputErrorOf([&] { ReadPng16(file); }), named);
+  EXPECT_THAT(InputErrorOf([&] { ReadPng8(file); }), named);
+  EXPECT_THAT(InputErrorOf([&] { ReadNumberImage(file); }), named);
+}
+
+}  // namespace
+}  // namespace pickbed::tests
