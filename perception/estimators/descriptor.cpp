@@ -13,7 +13,7 @@
 #include "perception/segment_poses/segment_poses.h"
 #include "perception/verify/color_consistency.h"
 #include "perception/verify/image_domain.h"
-#include "scenes/base/cache_lock.h"
+#include "scenes/base/cache_file.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 
@@ -153,21 +153,19 @@ ObjectCodes LearnedEstimator::Codes(const EstimatorSetup& setup, ObjectId object
              fmt::format("the codebook of object '{}' needs a renderer", object_model.name));
   const uint64_t key = CodesKey(model_, object_model, side_m, isolated, options_.code_seed,
                                 setup.views->IsolatedSettings());
-  const std::filesystem::path file = CodesFile(setup.cache_dir, object_model, key);
-  std::optional<CacheLock> lock;
-  if (!setup.cache_dir.empty()) {
-    if (std::optional<ObjectCodes> cached = ReadCodes(file, key)) return *std::move(cached);
-    lock.emplace(file);
-    if (std::optional<ObjectCodes> cached = ReadCodes(file, key)) return *std::move(cached);
-  }
   const auto on_share = [&](double share) {
     if (setup.on_progress) setup.on_progress("codebook of " + object_model.name, share);
   };
-  const ObjectCodes codes = MakeObjectCodes(
-      *setup.views, object, {side_m, model_.network.channels()}, model_.network.length(),
-      VoterOf(model_.network, threads_).describe, isolated, options_.code_seed, threads_, on_share);
-  if (!setup.cache_dir.empty()) WriteCodes(file, codes, key);
-  return codes;
+  const auto make = [&] {
+    return MakeObjectCodes(*setup.views, object, {side_m, model_.network.channels()},
+                           model_.network.length(), VoterOf(model_.network, threads_).describe,
+                           isolated, options_.code_seed, threads_, on_share);
+  };
+  if (setup.cache_dir.empty()) return make();
+  return Cached(
+      CodesFile(setup.cache_dir, object_model, key),
+      [key](const std::string& content) { return CodesFromBytes(content, key); }, make,
+      [key](const ObjectCodes& codes) { return CodesToBytes(codes, key); });
 }
 
 void LearnedEstimator::Trace(const OrganizedCloud& cloud, const std::vector<Candidate>& candidates,

@@ -6,28 +6,15 @@
 #include <future>
 #include <utility>
 
+#include "scenes/base/byte_blocks.h"
 #include "scenes/base/error.h"
-#include "scenes/base/files.h"
 
 namespace pickbed::perception {
 namespace {
 
-// Increase it if the file layout or the making of entries changes.
-constexpr uint64_t kFormat = 2;
-constexpr uint64_t kMagic = 0x314b4f4f42444350;  // "PCDBOOK1", little endian
-
-struct FileHeader {
-  uint64_t magic = kMagic;
-  uint64_t format = kFormat;
-  uint64_t key = 0;
-  uint64_t length = 0;
-  uint64_t entries = 0;
-  uint64_t payload_hash = 0;
-};
-
-size_t PayloadBytes(const FileHeader& header) {
-  return header.entries * (header.length * sizeof(float) + 12 * sizeof(float));
-}
+// Increase it if the content of the file or the making of entries changes.
+constexpr int kFormat = 3;
+constexpr size_t kValuesOfPose = 12;
 
 }  // namespace
 
@@ -71,47 +58,32 @@ std::filesystem::path CodesFile(const std::filesystem::path& cache_dir, const Ob
   return cache_dir / fmt::format("codes-v{}-{}-{:016x}.bin", kFormat, model.name, key);
 }
 
-void WriteCodes(const std::filesystem::path& file, const ObjectCodes& codes, uint64_t key) {
-  FileHeader header;
-  header.key = key;
-  header.length = static_cast<uint64_t>(codes.length);
-  header.entries = codes.size();
-  std::string payload(PayloadBytes(header), '\0');
-  const size_t descriptor_bytes = codes.descriptors.size() * sizeof(float);
-  if (!payload.empty()) {
-    std::memcpy(payload.data(), codes.descriptors.data(), descriptor_bytes);
-    std::memcpy(payload.data() + descriptor_bytes, codes.X_PO.data(),
-                payload.size() - descriptor_bytes);
-  }
-  header.payload_hash = HashBytes(payload.data(), payload.size());
-  std::string bytes(sizeof header, '\0');
-  std::memcpy(bytes.data(), &header, sizeof header);
-  WriteFileAtomically(file, bytes + payload);
+std::string CodesToBytes(const ObjectCodes& codes, uint64_t key) {
+  BlockWriter writer;
+  writer.Put(&key, sizeof key);
+  writer.Put(&codes.length, sizeof codes.length);
+  writer.Put(codes.descriptors);
+  writer.Put(codes.X_PO.data(), codes.size() * kValuesOfPose * sizeof(float));
+  return writer.body();
 }
 
-std::optional<ObjectCodes> ReadCodes(const std::filesystem::path& file, uint64_t key) {
-  if (!std::filesystem::exists(file)) return std::nullopt;
-  const std::string bytes = ReadFileBytes(file);
-  FileHeader header;
-  if (bytes.size() < sizeof header) return std::nullopt;
-  std::memcpy(&header, bytes.data(), sizeof header);
-  const char* payload = bytes.data() + sizeof header;
-  const size_t size = bytes.size() - sizeof header;
-  // The bounds come before the product: a damaged count cannot overflow it.
-  const bool whole = header.magic == kMagic && header.format == kFormat && header.key == key &&
-                     header.length <= 1024 && header.entries <= size &&
-                     size == PayloadBytes(header) &&
-                     header.payload_hash == HashBytes(payload, size);
-  if (!whole) return std::nullopt;
+std::optional<ObjectCodes> CodesFromBytes(std::string_view content, uint64_t key) {
+  BlockReader reader(content);
+  const std::vector<uint64_t> keys = reader.TakeAll<uint64_t>();
+  const std::vector<int> lengths = reader.TakeAll<int>();
+  CheckInput(keys.size() == 1 && lengths.size() == 1 && lengths[0] > 0, "its head is damaged");
+  if (keys[0] != key) return std::nullopt;
   ObjectCodes codes;
-  codes.length = static_cast<int>(header.length);
-  codes.descriptors.resize(header.entries * header.length);
-  codes.X_PO.resize(header.entries);
-  const size_t descriptor_bytes = codes.descriptors.size() * sizeof(float);
-  if (header.entries > 0) {
-    std::memcpy(codes.descriptors.data(), payload, descriptor_bytes);
-    std::memcpy(codes.X_PO.front().data(), payload + descriptor_bytes, size - descriptor_bytes);
-  }
+  codes.length = lengths[0];
+  codes.descriptors = reader.TakeAll<float>();
+  const std::vector<float> poses = reader.TakeAll<float>();
+  const size_t entries = poses.size() / kValuesOfPose;
+  CheckInput(poses.size() == entries * kValuesOfPose &&
+                 codes.descriptors.size() == entries * static_cast<size_t>(codes.length),
+             "its descriptors and poses do not fit together");
+  codes.X_PO.resize(entries);
+  if (entries > 0)
+    std::memcpy(codes.X_PO.front().data(), poses.data(), poses.size() * sizeof(float));
   return codes;
 }
 

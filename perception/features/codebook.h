@@ -8,6 +8,8 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "perception/features/labelled_patches.h"
@@ -41,15 +43,15 @@ ObjectCodes MakeObjectCodes(LabelledViewSource& views, ObjectId object, const Pa
                             const IsolatedOptions& options, uint64_t seed, int threads,
                             const std::function<void(double share)>& on_share);
 
-// Cache file of one object. `key` is a hash of everything that the entries depend on: weights,
-// mesh, sensor and options. ReadCodes() returns nothing if the file is absent, damaged or has
-// another key; the caller then makes the entries again.
+// Returns the cache file of one object (scenes/base/cache_file.h). `key` is a hash of everything
+// that the entries depend on: weights, mesh, sensor and options.
 std::filesystem::path CodesFile(const std::filesystem::path& cache_dir, const ObjectModel& model,
                                 uint64_t key);
-// Writes the cache file.
-void WriteCodes(const std::filesystem::path& file, const ObjectCodes& codes, uint64_t key);
-// Reads the cache file; see above.
-std::optional<ObjectCodes> ReadCodes(const std::filesystem::path& file, uint64_t key);
+// Returns the content of the cache file.
+std::string CodesToBytes(const ObjectCodes& codes, uint64_t key);
+// Returns the entries of a content; nullopt if they were made for another key. Throws InputError if
+// the content is cut short, or its lists have sizes that do not fit together.
+std::optional<ObjectCodes> CodesFromBytes(std::string_view content, uint64_t key);
 
 // Network functions that pose voting uses, without the network itself.
 struct PatchVoter {

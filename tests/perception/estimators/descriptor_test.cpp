@@ -10,7 +10,9 @@
 #include "perception/estimators/first_poses.h"
 #include "perception/training/training.h"
 #include "perception/voting/pose_clustering.h"
+#include "scenes/base/cache_file.h"
 #include "scenes/base/error.h"
+#include "scenes/base/files.h"
 #include "tests/support/error_of.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
@@ -19,6 +21,7 @@
 namespace pickbed::tests {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 // One small model for all tests: instances side by side, a few seconds of training.
@@ -284,6 +287,27 @@ TEST_F(Descriptor, CodebookIsMadeOnceAndThenRead) {
   EXPECT_GT(views_->isolated_calls(), made);
   setup.views = nullptr;
   EXPECT_THAT(ErrorOf([&] { MakeDescriptorEstimator(setup, Options()); }), HasSubstr("renderer"));
+}
+
+TEST_F(Descriptor, DamagedCodebookIsReportedOnceAndMadeAgain) {
+  EstimatorSetup setup = MakeSetup();
+  setup.cache_dir = folder_ / "damaged cache";
+  MakeDescriptorEstimator(setup, Options());
+  const std::filesystem::path file = std::filesystem::directory_iterator(setup.cache_dir)->path();
+  const std::string bytes = ReadFileBytes(file);
+  std::string damaged = bytes;
+  damaged[bytes.size() / 2] ^= 0x40;
+  std::vector<std::string> lines;
+  SetCacheListener([&](const std::string& line) { lines.push_back(line); });
+  for (const std::string& content : {damaged, bytes.substr(0, bytes.size() / 2), std::string()}) {
+    WriteFileAtomically(file, content);
+    lines.clear();
+    MakeDescriptorEstimator(setup, Options());
+    EXPECT_EQ(ReadFileBytes(file), bytes);
+    ASSERT_FALSE(lines.empty());
+    EXPECT_THAT(lines.front(), AllOf(HasSubstr(file.string()), HasSubstr("it is made again")));
+  }
+  SetCacheListener({});
 }
 
 TEST_F(Descriptor, CodebookOfAnotherSensorIsNotRead) {

@@ -2,15 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <numbers>
+#include <string>
 
 #include "perception/features/neighbors.h"
 #include "perception/model/pose_distance.h"
-#include "scenes/base/files.h"
+#include "scenes/base/error.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
-#include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
 namespace {
@@ -46,12 +45,6 @@ ObjectCodes SmallBook(RayCastViews& views, int count, int threads = 1) {
   return MakeObjectCodes(views, ObjectId{0}, {kSideM}, kLength, BlockMeans, FewViews(count), 7,
                          threads, {});
 }
-
-class CodebookFile : public testing::Test {
- protected:
-  const TemporaryFolder temporary_;
-  const std::filesystem::path folder_ = temporary_.path();
-};
 
 TEST(Codebook, QueryOfAnEntryVotesForItsPose) {
   // Without noise, the same view, pixel and angle give the descriptor of the entry, and X_CP * X_PO
@@ -144,35 +137,28 @@ TEST(Codebook, ErrorsOfTheDescriptorAreRethrown) {
   }
 }
 
-TEST_F(CodebookFile, RoundTripKeepsTheCodebook) {
+TEST(CodebookContent, RoundTripKeepsTheCodebook) {
   RayCastViews views(Brackets());
   const ObjectCodes codes = SmallBook(views, 8);
-  const auto file = CodesFile(folder_, *views.objects()[0], 42);
-  WriteCodes(file, codes, 42);
-  const auto read = ReadCodes(file, 42);
+  const auto read = CodesFromBytes(CodesToBytes(codes, 42), 42);
   ASSERT_TRUE(read);
   EXPECT_EQ(read->length, codes.length);
   EXPECT_EQ(read->descriptors, codes.descriptors);
-  for (size_t i = 0; i < codes.size(); ++i) EXPECT_EQ(read->X_PO[i], codes.X_PO[i]);
+  EXPECT_EQ(read->X_PO, codes.X_PO);
 }
 
-TEST_F(CodebookFile, DamagedMissingAndOtherFilesAreNotRead) {
+TEST(CodebookContent, CutContentAndListsOfOtherSizesAreRefused) {
   RayCastViews views(Brackets());
-  const auto file = CodesFile(folder_, *views.objects()[0], 42);
-  EXPECT_FALSE(ReadCodes(file, 42));
-  WriteCodes(file, SmallBook(views, 8), 42);
-  const std::string bytes = ReadFileBytes(file);
-  EXPECT_FALSE(ReadCodes(file, 43)) << "another key";
-  for (const size_t size : {size_t{0}, size_t{20}, bytes.size() / 2, bytes.size() - 1}) {
-    WriteFileAtomically(file, bytes.substr(0, size));
-    EXPECT_FALSE(ReadCodes(file, 42)) << "cut to " << size;
+  ObjectCodes codes = SmallBook(views, 2);
+  const std::string content = CodesToBytes(codes, 42);
+  EXPECT_FALSE(CodesFromBytes(content, 43)) << "another key";
+  for (size_t size = 0; size < content.size(); ++size) {
+    EXPECT_THROW(CodesFromBytes(content.substr(0, size), 42), InputError) << "cut to " << size;
   }
-  for (const size_t place : {size_t{0}, size_t{9}, size_t{30}, bytes.size() - 1}) {
-    std::string damaged = bytes;
-    damaged[place] ^= 0x40;
-    WriteFileAtomically(file, damaged);
-    EXPECT_FALSE(ReadCodes(file, 42)) << "damaged at " << place;
-  }
+  codes.X_PO.pop_back();
+  EXPECT_THROW(CodesFromBytes(CodesToBytes(codes, 42), 42), InputError);
+  codes.length = 0;
+  EXPECT_THROW(CodesFromBytes(CodesToBytes(codes, 42), 42), InputError);
 }
 
 }  // namespace
