@@ -181,13 +181,13 @@ std::string NothingToResume(const std::filesystem::path& file) {
   return fmt::format("no {} to resume from; remove --resume to start anew", file.string());
 }
 
-// `written` is the checkpoint from which a stopped training continues; it may not exist yet.
-void SayStopped(const std::filesystem::path& written) {
-  if (std::filesystem::exists(written)) {
-    fmt::print(
-        stderr,
-        "pickbed: stopped; {} is written, repeat the same command with --resume to continue\n",
-        written.string());
+// Says what a stopped training has kept. `file` may not exist yet; `content` is what it keeps.
+void SayStopped(const std::filesystem::path& file, const std::string& content) {
+  if (std::filesystem::exists(file)) {
+    fmt::print(stderr,
+               "pickbed: stopped; {} keeps {}; repeat the same command with --resume to continue "
+               "from there\n",
+               file.string(), content);
   } else {
     fmt::print(stderr, "pickbed: stopped before anything was trained that could be kept\n");
   }
@@ -234,7 +234,12 @@ int TrainVerifiers(const TrainArguments& arguments, const TrainingSet& training_
     report = TrainVerifierLibrary(job, arguments.verifier);
   }
   if (!report.finished) {
-    SayStopped(report.saved.empty() && has_network ? checkpoint : report.saved);
+    if (report.saved.empty() && has_network) {
+      SayStopped(checkpoint, "the network up to its last complete round");
+    } else {
+      SayStopped(report.saved, fmt::format("{} verifiers{}", report.saved_objects,
+                                           has_network ? " and the network" : ""));
+    }
     return kExitInterrupted;
   }
   if (has_network) std::filesystem::remove(checkpoint);
@@ -267,7 +272,9 @@ int TrainModel(TrainArguments& arguments, const TrainingSet& training_set,
     report = TrainDescriptor(job, arguments.training);
   }
   if (!report.finished) {
-    SayStopped(report.has_checkpoint ? checkpoint : "");
+    SayStopped(report.has_checkpoint ? checkpoint : "",
+               fmt::format("{} steps of the network and {} of {} verifiers", report.kept_steps,
+                           report.kept_verifiers, report.new_objects));
     return kExitInterrupted;
   }
   PrintReport(report, training_set.objects);

@@ -78,6 +78,7 @@ class Trainer {
   double NetworkLimit_s() const;
   std::vector<VerifierDeadlines> Deadlines() const;
   void SaveCheckpoint();
+  void NoteCheckpoint();
   bool TrainVerifiers();
   std::vector<TrainedVerifier> AllVerifiers() const;
   double RecentLoss() const;
@@ -254,7 +255,14 @@ void Trainer::SaveCheckpoint() {
   if (job_.checkpoint.empty()) return;
   WriteCheckpoint(job_.checkpoint, {key_, iteration_, report_.loss_history, report_.recall_history,
                                     network_.TrainingState(), trained_});
+  NoteCheckpoint();
+}
+
+void Trainer::NoteCheckpoint() {
   report_.has_checkpoint = true;
+  report_.kept_steps = iteration_;
+  report_.kept_verifiers = static_cast<int>(trained_.size());
+  report_.new_objects = static_cast<int>(NewObjects().size());
 }
 
 void Trainer::Step(double share) {
@@ -415,10 +423,10 @@ TrainingReport Trainer::Run() {
     iteration_ = checkpoint.iteration;
     report_.loss_history = checkpoint.loss_history;
     report_.recall_history = checkpoint.recall_history;
-    report_.has_checkpoint = true;
     schedule_.Watch(report_.recall_history);
     network_.RestoreTrainingState(checkpoint.training_state);
     trained_ = checkpoint.verifiers;
+    NoteCheckpoint();
   } else if (from_.model) {
     network_.SetWeights(from_.model->network.Weights());
   }

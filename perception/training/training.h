@@ -92,6 +92,10 @@ struct TrainingJob {
 struct TrainingReport {
   bool finished = false;        // false: stopped on request
   bool has_checkpoint = false;  // the training can be resumed
+  // What the checkpoint keeps. A stopped training of a verifier begins anew.
+  int kept_steps = 0;      // of the network
+  int kept_verifiers = 0;  // of `new_objects`
+  int new_objects = 0;     // objects whose verifiers are trained
   std::vector<double> loss_history;
   std::vector<HeldOutRecall> recall_history;  // first before any step, last at the end
   int plateau_iteration = -1;                 // step of the plateau; -1 = none

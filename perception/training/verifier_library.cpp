@@ -75,10 +75,13 @@ VerifierReport TrainVerifierLibrary(const VerifierJob& job,
   if (!job.resume) std::filesystem::remove(unfinished);
   std::filesystem::path saved = ResumedFile(job);
   VerifierFile file = Begin(job, options, saved);
+  const auto stopped = [&] {
+    return VerifierReport{false, saved, static_cast<int>(file.objects.size()), 0};
+  };
   if (job.learn && file.network.settings.empty()) {
     std::optional<LearnedNetwork> network = job.learn(
         [&](double share) { return !job.on_progress || job.on_progress("all objects", share); });
-    if (!network) return {false, saved, 0};
+    if (!network) return stopped();
     file.network = *std::move(network);
     SaveVerifiers(saved = unfinished, file);
   }
@@ -95,13 +98,13 @@ VerifierReport TrainVerifierLibrary(const VerifierJob& job,
       const VerifierTrainingSet training_set =
           VerifierScenes(job.views, object, /*color=*/false, options,
                          [&](double share) { return report(kScenesShare * share); });
-      if (!go_on) return {false, saved, 0};
+      if (!go_on) return stopped();
       const std::unique_ptr<CandidateSource> source = job.candidates({objects[i]}, file.network);
       const CandidateSource* const sources[] = {source.get()};
       const TrainedVerifier trained = TrainObjectVerifier(
           training_set, object, sources, options,
           [&](double share) { return report(kScenesShare + (1 - kScenesShare) * share); });
-      if (!go_on) return {false, saved, 0};
+      if (!go_on) return stopped();
       Put(model, trained, file);
     } catch (const InputError& error) {
       throw InputError("object '" + model.name + "': " + error.what());
@@ -109,7 +112,7 @@ VerifierReport TrainVerifierLibrary(const VerifierJob& job,
     SaveVerifiers(saved = unfinished, file);
   }
   if (saved == unfinished) std::filesystem::rename(unfinished, job.file);
-  VerifierReport report{true, job.file, 0};
+  VerifierReport report{true, job.file, static_cast<int>(file.objects.size()), 0};
   for (const ModelObject& object : file.objects) {
     report.mean_auc += object.verifier_auc / static_cast<double>(file.objects.size());
   }

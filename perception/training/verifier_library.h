@@ -43,7 +43,8 @@ struct VerifierReport {
   bool finished = false;  // false: stopped on request
   // File with the finished objects or network, from which a training resumes; empty = none.
   std::filesystem::path saved;
-  double mean_auc = 0;  // mean over the objects in the file, on held-out poses
+  int saved_objects = 0;  // objects in that file whose verifiers are finished
+  double mean_auc = 0;    // mean over the objects in the file, on held-out poses
 };
 
 // Returns the path of the file with unfinished results.

@@ -80,10 +80,14 @@ int Train(const TrainCompletionArguments& arguments) {
     report = TrainCompletion(job, arguments.training);
   }
   if (!report.finished) {
-    fmt::print(stderr,
-               "pickbed: stopped; {} is written, repeat the same command with --resume to "
-               "continue\n",
-               checkpoint.string());
+    if (report.has_checkpoint) {
+      fmt::print(stderr,
+                 "pickbed: stopped; {} is written, repeat the same command with --resume to "
+                 "continue\n",
+                 checkpoint.string());
+    } else {
+      fmt::print(stderr, "pickbed: stopped before anything was trained that could be kept\n");
+    }
     return kExitStopped;
   }
   if (report.stopped_early) {

@@ -279,6 +279,7 @@ TEST_F(VerifiedPpf, StoppedTrainingKeepsFinishedVerifiers) {
   const VerifierReport stopped = TrainVerifierLibrary(job, MinimalTraining());
   EXPECT_FALSE(stopped.finished);
   EXPECT_EQ(stopped.saved, UnfinishedLibrary(file));
+  EXPECT_EQ(stopped.saved_objects, 1);
   EXPECT_FALSE(std::filesystem::exists(file));
   EXPECT_EQ(LoadVerifiers(stopped.saved, "ppf").objects.size(), 1u);
 

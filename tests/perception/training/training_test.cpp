@@ -271,6 +271,21 @@ TEST_F(Training, StopBeforeTheFirstStepLeavesNoCheckpoint) {
   EXPECT_FALSE(std::filesystem::exists(job.checkpoint));
 }
 
+// The report says what a resumed training begins with, which is not all that was done.
+TEST_F(Training, AStopWithinAVerifierKeepsTheNetworkOnly) {
+  TrainingJob job = Job("model");
+  bool is_verifier = false;
+  job.on_progress = [&](const TrainingProgress& progress) {
+    return !(is_verifier = progress.phase == "verifier");
+  };
+  const TrainingReport report = TrainDescriptor(job, TinyOptions());
+  EXPECT_TRUE(is_verifier);
+  EXPECT_TRUE(report.has_checkpoint);
+  EXPECT_EQ(report.kept_steps, TinyOptions().iterations);
+  EXPECT_EQ(report.kept_verifiers, 0);
+  EXPECT_EQ(report.new_objects, 1);
+}
+
 TEST_F(Training, FailureOfTheViewsIsRethrown) {
   class Broken : public RayCastViews {
    public:
