@@ -144,8 +144,11 @@ int Dispatch(int argc, char** argv) {
     fmt::print(stderr, "pickbed: {}\n", Printable(WithFlags(error.what())));
     return kBadInput;
   } catch (const std::filesystem::filesystem_error& error) {
-    fmt::print(stderr, "pickbed: cannot use '{}': {}; choose another path\n",
-               Printable(error.path1().string()), error.code().message());
+    fmt::print(
+        stderr,
+        "pickbed: cannot use '{}': {}; choose another path, or repeat the command when it can "
+        "be reached\n",
+        Printable(error.path1().string()), error.code().message());
     return kBadInput;
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "pickbed: there is not enough memory; use fewer workers or smaller input\n");

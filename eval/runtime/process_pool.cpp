@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <cstring>
 #include <deque>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <new>
@@ -103,6 +104,8 @@ void Serve(const WorkerPlan& plan, int socket) {
         SendMessage(socket, Kind::kDone, do_item(item));
       } catch (const InputError&) {
         throw;
+      } catch (const std::filesystem::filesystem_error&) {
+        throw;  // the folder is at fault, and not the item
       } catch (const std::bad_alloc&) {
         SendMessage(socket, Kind::kFailed, kNoMemory);
       } catch (const std::exception& error) {
@@ -111,6 +114,10 @@ void Serve(const WorkerPlan& plan, int socket) {
     }
   } catch (const InputError& error) {
     SendMessage(socket, Kind::kBadInput, error.what());
+  } catch (const std::filesystem::filesystem_error& error) {
+    SendMessage(socket, Kind::kBadInput,
+                fmt::format("cannot use '{}': {}; repeat the command when it can be reached",
+                            error.path1().string(), error.code().message()));
   } catch (const std::bad_alloc&) {
     SendMessage(socket, Kind::kBadInput, kNoMemory);
   } catch (const std::exception& error) {

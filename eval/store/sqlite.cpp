@@ -1,6 +1,7 @@
 #include "eval/store/sqlite.h"
 
 #include <charconv>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -85,15 +86,25 @@ void CheckSql(const Database& db, int code) {
                          "cannot be reached; make it available again, and resume the run or sweep",
                          db.file()));
   switch (code & 0xff) {  // without the extended code
+    case SQLITE_CORRUPT:  // also if a page could not be read
+      throw InputError(fmt::format(
+          "{}; repeat the command, since a disk or a shared folder can fail for a moment; if the "
+          "fault remains: {}",
+          message, kRestoreAdvice));
     case SQLITE_NOTADB:
-    case SQLITE_CORRUPT:
     case SQLITE_ERROR:       // no such table or column
     case SQLITE_CONSTRAINT:  // a trial twice
     case SQLITE_MISMATCH:
     case SQLITE_TOOBIG:
       throw InputError(fmt::format("{}; {}", message, kRestoreAdvice));
+    case SQLITE_IOERR: {
+      const int failed = sqlite3_system_errno(db.handle());
+      throw InputError(fmt::format(
+          "{}{}{}; the disk or the shared folder failed, or the disk is full; finished trials are "
+          "kept: repeat the command, or resume the run or sweep",
+          message, failed == 0 ? "" : ": ", failed == 0 ? "" : std::strerror(failed)));
+    }
     case SQLITE_FULL:
-    case SQLITE_IOERR:
       throw InputError(message +
                        "; is the disk full? finished trials are kept: free some space and repeat "
                        "the command, or resume the run or sweep");

@@ -164,7 +164,8 @@ void MakeFolder(const fs::path& folder) {
 }
 
 std::string ReadFileBytes(const fs::path& path) {
-  CheckInput(!fs::is_directory(path), "cannot read '" + path.string() + "': it is a folder");
+  std::error_code error;
+  CheckInput(!fs::is_directory(path, error), "cannot read '" + path.string() + "': it is a folder");
   // A pipe would wait, a device would not end.
   CheckInput(!Exists(path) || IsRegularFile(path),
              "cannot read '" + path.string() + "': it is no regular file; copy its content to one");

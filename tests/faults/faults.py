@@ -14,11 +14,17 @@ all results are, byte by byte, those of an undisturbed run. FAULT is one of
     terminate_group  SIGTERM to all processes, as Slurm sends it
     full_disk        a disk of seeded size, which then gets room
     clock_back       as kill_group, and the clock is 400 days earlier when the command is repeated
+    slow_folder      a shared folder in which calls take up to 20 ms, and new files of other processes are seen late
+    stale_handle     a shared folder in which one call fails with "Stale file handle"
+    io_error         as stale_handle, with "Input/output error"
+
+The last three need the library slow_folder.cpp, which PICKBED_SLOW_FOLDER names.
 
 Exit status 77: this machine does not permit the fault, with the reason on stderr.
 """
 
 import filecmp
+import errno
 import os
 import pathlib
 import random
@@ -35,6 +41,7 @@ INTERRUPTED = 130
 BAD_INPUT = 1
 LIMIT_S = 300  # of one command; only a hang takes so long
 DISK_BYTES = 64 << 20
+FAILING_CALLS = {"stale_handle": errno.ESTALE, "io_error": errno.EIO}
 
 SCENARIO = """\
 seed: 7
@@ -70,14 +77,14 @@ class Command:
         self.arguments = [pickbed, kind, f"{'small' if kind == 'run' else 'sweep'}.yaml", "--jobs", "2",
                           "--pictures", "1"]
 
-    def start(self, out, *more, clock=()):
+    def start(self, out, *more, clock=(), variables=None):
         errors = open(self.work / "stderr.txt", "w")
         return subprocess.Popen([*clock, *self.arguments, "--out", out, *more], cwd=self.work, start_new_session=True,
-                                stdout=subprocess.DEVNULL, stderr=errors)
+                                stdout=subprocess.DEVNULL, stderr=errors, env={**os.environ, **(variables or {})})
 
-    def finish(self, out, *more, clock=()):
+    def finish(self, out, *more, clock=(), variables=None):
         """Runs the command to its end and returns its exit status. `clock`: a program that changes the clock."""
-        return wait(self.start(out, *more, clock=clock))
+        return wait(self.start(out, *more, clock=clock, variables=variables))
 
     def error_lines(self):
         """The lines on stderr that are no progress."""
@@ -216,6 +223,58 @@ def disk_case(command, whole, out, size, rng):
     return f"full at {disk_bytes >> 10} kB with {len(trials(before))} trials"
 
 
+class SharedFolder:
+    """The variables that let a command see the folder `out` through slow_folder.cpp."""
+
+    def __init__(self, work, out):
+        self.state = work / "slow_folder.state"
+        self.variables = {"LD_PRELOAD": os.environ["PICKBED_SLOW_FOLDER"], "SLOW_FOLDER": str(out),
+                          "SLOW_FOLDER_STATE": str(self.state)}
+
+    def with_fault(self, **numbers):
+        """The variables of a fault. Counting begins anew."""
+        self.state.write_bytes(bytes(8))
+        return {**self.variables, **{f"SLOW_FOLDER_{name.upper()}": str(value) for name, value in numbers.items()}}
+
+    def calls(self):
+        return int.from_bytes(self.state.read_bytes(), sys.byteorder)
+
+
+def slow_case(command, whole, out, rng):
+    """All calls take time, and new files of other processes are seen late. The command ends as otherwise."""
+    folder = SharedFolder(command.work, out)
+    delay_us, late_us = rng.randrange(100, 20000), rng.randrange(0, 2000000)
+    variables = folder.with_fault(delay_us=delay_us, late_us=late_us)
+    status = command.finish(out.name, variables=variables)
+    require(status == 0, f"exit status {status}: {command.error_lines()}")
+    require(folder.calls() > 0, "the folder was not slow")
+    require_same(out, whole)
+    return f"{folder.calls()} calls of up to {delay_us} us, files late by {late_us} us"
+
+
+def failing_call_case(command, whole, out, number, rng, calls):
+    """One call in the folder fails with the error `number`. The command is repeated with --resume."""
+    folder = SharedFolder(command.work, out)
+    if command.kind not in calls:
+        status = command.finish(out.name, variables=folder.with_fault())
+        require(status == 0, f"exit status {status} without a fault: {command.error_lines()}")
+        calls[command.kind] = folder.calls()
+        shutil.rmtree(out)
+    fail_at = rng.randrange(1, calls[command.kind] + 1)
+    status = command.finish(out.name, variables=folder.with_fault(fail_at=fail_at, errno=number))
+    lines = command.error_lines()
+    what = f"call {fail_at} of {calls[command.kind]}"
+    require(status in (0, BAD_INPUT), f"{what}: exit status {status}: {lines}")
+    require(len(lines) <= 1, f"{what}: more than one line: {lines}")
+    require(status == 0 or out.name in lines[0], f"{what}: no line with the folder: {lines}")
+    before = rows(out, with_times=True)
+    status = command.finish(out.name, "--resume")
+    require(status == 0, f"{what}: exit status {status} of --resume: {command.error_lines()}")
+    require_kept(before, out)
+    require_same(out, whole)
+    return f"{what}, {lines[0] if lines else 'no error'}"
+
+
 def mounts_of_our_own():
     """Starts this program again where it may mount, if it is not there."""
     if os.environ.get("PICKBED_FAULTS_MOUNT") == "yes":
@@ -236,7 +295,11 @@ def main():
     if fault == "clock_back" and shutil.which("faketime") is None:
         print("skipped: there is no faketime; see group test in packages.txt", file=sys.stderr)
         return SKIPPED
+    if fault in ("slow_folder", *FAILING_CALLS) and "PICKBED_SLOW_FOLDER" not in os.environ:
+        print("skipped: PICKBED_SLOW_FOLDER does not name the library slow_folder", file=sys.stderr)
+        return SKIPPED
     failures = 0
+    calls = {}  # of an undisturbed command in the shared folder
     with tempfile.TemporaryDirectory(prefix="pickbed_faults_") as name:
         work = pathlib.Path(name)
         (work / "small.yaml").write_text(SCENARIO)
@@ -258,6 +321,10 @@ def main():
             try:
                 if fault == "full_disk":
                     what = disk_case(command, whole, out, size, rng)
+                elif fault == "slow_folder":
+                    what = slow_case(command, whole, out, rng)
+                elif fault in FAILING_CALLS:
+                    what = failing_call_case(command, whole, out, FAILING_CALLS[fault], rng, calls)
                 else:
                     what = signal_case(command, fault, whole, out, duration_s, rng)
                 print(f"{fault} {case}: {command.kind}, {what}: as undisturbed", flush=True)

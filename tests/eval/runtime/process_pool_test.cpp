@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <new>
@@ -20,6 +21,7 @@
 namespace pickbed::tests {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 // A plan whose items reply with their square; `trouble` runs before each item.
@@ -165,6 +167,21 @@ TEST(Workers, InputErrorOfAWorkerIsRethrown) {
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(), "disk is full");
   }
+}
+
+// A shared folder that fails for a moment must not cost the items their results.
+TEST(Workers, AFolderThatCannotBeReachedEndsTheRunAndLosesNoItem) {
+  std::map<int, std::string> replies;
+  const auto refuse = [](int item) {
+    if (item == 2) {
+      throw std::filesystem::filesystem_error("stat", "shared/pictures",
+                                              std::make_error_code(std::errc::io_error));
+    }
+  };
+  EXPECT_THAT(ErrorOf([&] { RunInWorkers(Squares(5, 1, refuse, replies)); }),
+              AllOf(HasSubstr("'shared/pictures'"), HasSubstr("Input/output error"),
+                    HasSubstr("repeat the command")));
+  EXPECT_EQ(replies.size(), 2u);
 }
 
 TEST(Workers, StartFailureIsRethrownWithItsType) {
