@@ -1,6 +1,7 @@
 #include "scenes/image/image_check.h"
 
 #include <fmt/format.h>
+#include <jerror.h>
 #include <jpeglib.h>
 
 #include <array>
@@ -63,8 +64,14 @@ void LeaveOnError(j_common_ptr codec) {
   std::longjmp(reinterpret_cast<JpegErrors*>(codec->err)->on_error, 1);
 }
 
+// Some cameras write a few bytes more before the end mark. Many bytes are left if the codes are
+// damaged.
 void KeepWarning(j_common_ptr codec, int level) {
-  if (level < 0) KeepText(codec);
+  constexpr int kMaxFillBytes = 16;
+  const jpeg_error_mgr& error = *codec->err;
+  if (level >= 0) return;
+  if (error.msg_code == JWRN_EXTRANEOUS_DATA && error.msg_parm.i[0] <= kMaxFillBytes) return;
+  KeepText(codec);
 }
 
 // Decodes at an eighth of the size, which reads all of the data. It has no objects with

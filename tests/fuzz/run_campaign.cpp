@@ -4,8 +4,8 @@
 //
 // CASES is the number of inputs of each target. OUT/TARGET gets the inputs that crash, hang, take
 // too much memory, or end in an error that does not name the file. OUT/accepted gets every
-// hundredth input that is accepted, to be looked at. OUT/seeds gets the contents that are mutated, to
-// be compared with them.
+// hundredth input that is accepted, to be looked at. OUT/seeds gets the contents that are mutated,
+// to be compared with them.
 
 #include <fmt/format.h>
 

@@ -37,6 +37,12 @@ TEST(FaultOfImage, WholeImagesHaveNone) {
   EXPECT_EQ(FaultOfImage("BM, another format"), "");
 }
 
+// As some cameras write it.
+TEST(FaultOfImage, FillBytesBeforeTheEndMarkOfAJpegAreNoFault) {
+  std::string jpeg = EncodeJpeg(Noise(), 90);
+  EXPECT_EQ(FaultOfImage(jpeg.insert(jpeg.size() - 2, 3, '\0')), "");
+}
+
 TEST(FaultOfImage, EveryFlippedBitAndEveryCutOfAPngIsNoticed) {
   const std::string png = EncodePng(Image<uint16_t>(5, 4), 3);
   const size_t magic = 4;  // without it, the bytes are no PNG
