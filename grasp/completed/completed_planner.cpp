@@ -174,7 +174,6 @@ void CompletedPlannerOptions::Visit(SettingsVisitor& v) {
   v.Real("min_reported_score", min_reported_score, {0, 1},
          "chance of success under which a grasp is not reported");
   v.Integer("smoothing", smoothing, {0, 10}, "number of passes of the smoothing of a shape");
-  v.RenamedKey("has_fallback", "grasps_observed");
   v.Bool("grasps_observed", grasps_observed, "whether the hands also grasp the observed surface");
   v.Group(
       "chance", [this](SettingsVisitor& g) { chance.Visit(g); },
