@@ -17,21 +17,11 @@
 #include "scenes/base/message_text.h"
 #include "scenes/mesh_io/mesh_file_check.h"
 #include "scenes/mesh_io/number_words.h"
+#include "scenes/mesh_io/text_words.h"
 #include "scenes/mesh_io/xml_elements.h"
 
 namespace pickbed::scenes {
 namespace {
-
-std::vector<std::string_view> WordsIn(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r\n";
-  std::vector<std::string_view> words;
-  for (size_t at = text.find_first_not_of(kSpace); at != std::string_view::npos;) {
-    const size_t end = std::min(text.find_first_of(kSpace, at), text.size());
-    words.push_back(text.substr(at, end - at));
-    at = text.find_first_not_of(kSpace, end);
-  }
-  return words;
-}
 
 std::optional<uint64_t> WholeNumber(std::string_view word) {
   uint64_t value = 0;

@@ -9,17 +9,21 @@
 
 namespace pickbed::scenes {
 
-// Returns the words of a line up to a comment, which begins with #. The line must outlive them.
-inline std::vector<std::string_view> WordsOf(std::string_view line) {
-  constexpr std::string_view kSpace = " \t\r";
+// Returns the words between spaces and line ends. The text must outlive them.
+inline std::vector<std::string_view> WordsIn(std::string_view text) {
+  constexpr std::string_view kSpace = " \t\r\n";
   std::vector<std::string_view> words;
-  line = line.substr(0, line.find('#'));
-  for (size_t at = line.find_first_not_of(kSpace); at != std::string_view::npos;) {
-    const size_t end = std::min(line.find_first_of(kSpace, at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = line.find_first_not_of(kSpace, end);
+  for (size_t at = text.find_first_not_of(kSpace); at != std::string_view::npos;) {
+    const size_t end = std::min(text.find_first_of(kSpace, at), text.size());
+    words.push_back(text.substr(at, end - at));
+    at = text.find_first_not_of(kSpace, end);
   }
   return words;
+}
+
+// Returns the words of a line up to a comment, which begins with #. The line must outlive them.
+inline std::vector<std::string_view> WordsOf(std::string_view line) {
+  return WordsIn(line.substr(0, line.find('#')));
 }
 
 // Whether the word has only letters, digits, _ and -.

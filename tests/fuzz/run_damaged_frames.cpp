@@ -3,8 +3,7 @@
 //   damaged_frames COUNT SEED [FIRST]
 //
 // FIRST is the number of the first frame, to repeat one. The number of a frame is printed before it
-// is processed, so that the last line names the one that crashes. Exit
-// status 1: a result is wrong.
+// is processed, so that the last line names the one that crashes. Exit status 1: a result is wrong.
 
 #include <fmt/format.h>
 
