@@ -5,6 +5,7 @@
 #include <map>
 
 #include "perception/completion/segment_window.h"
+#include "perception/segments/segment_cover.h"
 #include "scenes/base/error.h"
 #include "scenes/geometry/mesh_query.h"
 
@@ -127,6 +128,7 @@ std::vector<grasp::OccupancyShape> SegmentShapes::Shapes(const grasp::PlannerInp
              "planner.completion: truth needs the ground truth of the image, which only simulated "
              "trials have; choose another method");
   segments_ = perception::SegmentFrame(input.frame, BackgroundOf(input), options_);
+  covered_ = perception::CoveredShares(input.frame.depth_m, segments_);
   const Pose X_BW = input.bin ? input.bin->X_WB.inverse() : Pose::Identity();
   const Pose X_BC = X_BW * input.X_WC;
   std::vector<std::pair<double, int>> by_height;  // negative height, label
@@ -143,6 +145,14 @@ std::vector<grasp::OccupancyShape> SegmentShapes::Shapes(const grasp::PlannerInp
     if (shape) shapes.push_back(std::move(*shape));
   }
   return shapes;
+}
+
+grasp::ImageSegments SegmentShapes::Segments() const {
+  grasp::ImageSegments image{segments_.labels, {}};
+  for (size_t i = 0; i < segments_.segments.size(); ++i) {
+    image.segments.push_back({covered_[i], segments_.segments[i].center_C.cast<double>()});
+  }
+  return image;
 }
 
 }  // namespace pickbed::eval

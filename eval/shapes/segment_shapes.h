@@ -40,6 +40,7 @@ class SegmentShapes : public grasp::ShapeSource {
   // perception::kMinSegmentPixels readings. Throws InputError for kTrueShapes without truth.
   std::vector<grasp::OccupancyShape> Shapes(const grasp::PlannerInput& input,
                                             int max_shapes) override;
+  grasp::ImageSegments Segments() const override;
 
  private:
   std::optional<grasp::OccupancyShape> ShapeOf(const grasp::PlannerInput& input, int label,
@@ -50,6 +51,7 @@ class SegmentShapes : public grasp::ShapeSource {
   std::unique_ptr<perception::ShapeCompleter> completer_;  // null for the truth
   const TrueShapes* truth_ = nullptr;
   perception::ObjectSegments segments_;  // of the last image
+  std::vector<double> covered_;          // share of the contour of each of these segments
 };
 
 // Gives the ground truth of an image to the shapes, if there are any, until it is destroyed.

@@ -276,22 +276,21 @@ bool CompletedPlanner::PassesPossibleMatter(const ObstacleField& possible, Grasp
   return false;
 }
 
-// The score of the planner on poses ranks candidates of one shape, but does not predict which
-// grasps succeed. Grasps with equal chances keep their order.
-void CompletedPlanner::SetChances(const HiddenSpace& hidden, std::vector<Grasp>& grasps) const {
-  const PlanOptions& plan = options_.plan;
-  for (Grasp& grasp : grasps) {
-    const Gripper& tool = ToolOf(grasp);
-    const double opening_m = tool.ApproachOpening_m(grasp.width_m).value_or(tool.MaxOpening_m());
-    const double hidden_m =
-        hidden.MeanDepth_m(HandSweep(tool, opening_m), grasp.X_WG, plan.hidden_step_m);
-    grasp.score = options_.chance.Of(
-        {GraspedSurface::kCompleted, IsSuction(tool), grasp.score, grasp.width_m, hidden_m});
+double CompletedPlanner::ChanceOf(const Grasp& grasp, GraspedSurface surface, double hidden_m,
+                                  const PlannerInput& input, const ImageSegments& segments) const {
+  const Gripper& tool = ToolOf(grasp);
+  GraspMeasures measures{surface, IsSuction(tool), grasp.score, grasp.width_m, hidden_m};
+  const SegmentMeasures* segment = GraspedSegment(segments, input, tool, grasp.X_WG, grasp.width_m);
+  if (segment != nullptr) {
+    measures.covered = segment->covered;
+    measures.center_offset_m = CenterOffset_m(*segment, input.X_WC, grasp.X_WG);
   }
+  return options_.chance.Of(measures);
 }
 
 PlanResult CompletedPlanner::PlanOn(const std::vector<Completed>& completed,
-                                    const PlannerInput& input, const BinPlacement& bin) const {
+                                    const ImageSegments& segments, const PlannerInput& input,
+                                    const BinPlacement& bin) const {
   const Pose X_BW = bin.X_WB.inverse();
   ObjectSet objects;
   std::vector<EstimatedPose> poses;
@@ -334,10 +333,16 @@ PlanResult CompletedPlanner::PlanOn(const std::vector<Completed>& completed,
     plan.grasps = std::move(passed);
     break;
   }
-  SetChances(hidden, plan.grasps);
+  // The score of the planner on poses ranks candidates of one shape, but does not predict which
+  // grasps succeed. Grasps with equal chances keep their order.
   for (Grasp& grasp : plan.grasps) {
+    const Gripper& tool = ToolOf(grasp);
+    const double opening_m = tool.ApproachOpening_m(grasp.width_m).value_or(tool.MaxOpening_m());
+    const double hidden_m =
+        hidden.MeanDepth_m(HandSweep(tool, opening_m), grasp.X_WG, plan_options.hidden_step_m);
     grasp.X_WG = bin.X_WB * grasp.X_WG;
     grasp.hypothesis = kNoHypothesis;
+    grasp.score = ChanceOf(grasp, GraspedSurface::kCompleted, hidden_m, input, segments);
   }
   return plan;
 }
@@ -355,15 +360,15 @@ PlanResult CompletedPlanner::Plan(const PlannerInput& input) {
     return {};
   }
   const std::vector<Completed> completed = MakeObjects(input, X_WB.inverse());
+  const ImageSegments segments = setup_.shapes->Segments();
   PlanResult plan;
   if (!completed.empty()) {
-    plan = PlanOn(completed, input, {input.bin ? input.bin->bin : table, X_WB});
+    plan = PlanOn(completed, segments, input, {input.bin ? input.bin->bin : table, X_WB});
   }
   for (const auto& planner : on_surface_) {
     PlanResult observed = planner->Plan(input);
     for (Grasp& grasp : observed.grasps) {
-      grasp.score = options_.chance.Of(
-          {GraspedSurface::kObserved, IsSuction(ToolOf(grasp)), grasp.score, grasp.width_m, 0});
+      grasp.score = ChanceOf(grasp, GraspedSurface::kObserved, 0, input, segments);
     }
     plan.grasps.insert(plan.grasps.end(), observed.grasps.begin(), observed.grasps.end());
     for (const auto& [cause, count] : observed.rejected) plan.rejected[cause] += count;

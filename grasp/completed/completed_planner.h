@@ -65,11 +65,13 @@ class CompletedPlanner : public Planner {
   struct Completed;
   double MaxTilt_rad() const;  // of an approach from straight down, in the first pass
   std::vector<Completed> MakeObjects(const PlannerInput& input, const Pose& X_BW) const;
-  PlanResult PlanOn(const std::vector<Completed>& objects, const PlannerInput& input,
-                    const BinPlacement& bin) const;
+  PlanResult PlanOn(const std::vector<Completed>& objects, const ImageSegments& segments,
+                    const PlannerInput& input, const BinPlacement& bin) const;
   const Gripper& ToolOf(const Grasp& grasp) const;
   bool PassesPossibleMatter(const ObstacleField& possible, Grasp& grasp) const;
-  void SetChances(const HiddenSpace& hidden, std::vector<Grasp>& grasps) const;
+  // Returns the chance that a grasp of a surface succeeds. `hidden_m`: see GraspMeasures.
+  double ChanceOf(const Grasp& grasp, GraspedSurface surface, double hidden_m,
+                  const PlannerInput& input, const ImageSegments& segments) const;
 
   const PlannerSetup setup_;
   const CompletedPlannerOptions options_;

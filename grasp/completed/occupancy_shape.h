@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "grasp/completed/grasped_segment.h"
 #include "grasp/plan/planner.h"
 #include "scenes/geometry/triangle_mesh.h"
 
@@ -37,6 +38,8 @@ class ShapeSource {
   virtual ~ShapeSource() = default;
   // Returns the shapes of the highest objects in the image, highest first, at most `max_shapes`.
   virtual std::vector<OccupancyShape> Shapes(const PlannerInput& input, int max_shapes) = 0;
+  // Returns the segments of the image of the last call of Shapes(). Default: none.
+  virtual ImageSegments Segments() const { return {}; }
 };
 
 // Returns the shape smoothed by a binomial filter of three cells along each axis, which has a

@@ -10,20 +10,20 @@ namespace pickbed::grasp {
 double SuccessChance::Of(const GraspMeasures& grasp) const {
   constexpr double kMinScore = 1e-6;  // the logarithm of 0 is not finite
   const double log_score = std::log(std::max(grasp.score, kMinScore));
-  double log_odds;
-  if (grasp.is_suction) {
-    log_odds = suction + suction_score * log_score;
-  } else if (grasp.surface == GraspedSurface::kObserved) {
-    log_odds = observed + observed_score * log_score;
-  } else {
+  if (grasp.is_suction) return Logistic(suction + suction_score * log_score);
+  double log_odds = observed + observed_score * log_score;
+  if (grasp.surface == GraspedSurface::kCompleted) {
     log_odds = completed - thin * std::max(0.0, 1 - grasp.width_m / full_width_m) -
                hidden * std::min(1.0, grasp.hidden_m / full_hidden_m);
   }
+  log_odds -= covered * grasp.covered;
+  log_odds -= width_per_m * std::max(0.0, grasp.width_m - narrow_m);
+  log_odds -= center_offset_per_m * grasp.center_offset_m;
   return Logistic(log_odds);
 }
 
 void SuccessChance::Visit(SettingsVisitor& v) {
-  const Range log_odds{-20, 20}, loss{0, 20}, length{0.0001, 1};
+  const Range log_odds{-20, 20}, loss{0, 20}, per_m{0, 1000}, length{0.0001, 1};
   v.Real("suction", suction, log_odds, "log odds of success of a suction cup with score 1");
   v.Real("suction_score", suction_score, loss,
          "change of these log odds with the natural logarithm of the score");
@@ -37,6 +37,12 @@ void SuccessChance::Visit(SettingsVisitor& v) {
   v.Real("hidden", hidden, loss, "loss of log odds of fingers deep in hidden space");
   v.Real("full_hidden_m", full_hidden_m, length,
          "mean depth of the fingers in hidden space at which the loss is full, m");
+  v.Real("covered", covered, loss, "loss of log odds of a segment that others cover all around");
+  v.Real("width_per_m", width_per_m, per_m,
+         "loss of log odds for each metre between the contacts of a jaw over narrow_m");
+  v.Real("narrow_m", narrow_m, length, "width up to which there is no such loss, m");
+  v.Real("center_offset_per_m", center_offset_per_m, per_m,
+         "loss of log odds for each metre from the closing line to the center of the segment");
 }
 
 }  // namespace pickbed::grasp

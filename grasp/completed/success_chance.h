@@ -20,21 +20,28 @@ struct GraspMeasures {
   GraspedSurface surface = GraspedSurface::kCompleted;
   bool is_suction = false;
   double score = 1;     // by its planner, 0..1; not used for jaws on completed shapes
-  double width_m = 0;   // distance between the two contacts; used for jaws on completed shapes
+  double width_m = 0;   // distance between the two contacts of a jaw
   double hidden_m = 0;  // mean depth of the fingers in space that the image does not show
+  double covered = 0;   // share of the contour of the segment that nearer surfaces border, 0..1
+  double center_offset_m = 0;  // CenterOffset_m() of the segment
 };
 
 // Coefficients of the log odds of success.
 struct SuccessChance {
-  double suction = 1.5;        // of a suction cup with score 1
-  double suction_score = 1;    // for each unit of the natural logarithm of its score
-  double observed = 1.9;       // of a jaw on the observed surface with score 1
-  double observed_score = 1;   // for each unit of the natural logarithm of its score
-  double completed = 0.9;      // of a jaw on a completed shape
-  double thin = 1.5;           // loss of a shape without thickness, which may be thicker
-  double full_width_m = 0.01;  // thickness from which there is no loss
-  double hidden = 1.5;         // loss of fingers that enter hidden space by full_hidden_m or more
+  double suction = 1.5;         // of a suction cup with score 1
+  double suction_score = 1;     // for each unit of the natural logarithm of its score
+  double observed = 3.6;        // of a jaw on the observed surface with score 1
+  double observed_score = 0.6;  // for each unit of the natural logarithm of its score
+  double completed = 3.5;       // of a jaw on a completed shape
+  double thin = 1.5;            // loss of a completed shape without thickness, which may be thicker
+  double full_width_m = 0.012;  // thickness from which there is no loss
+  double hidden = 2.2;          // loss of fingers that enter hidden space by full_hidden_m or more
   double full_hidden_m = 0.01;
+  // Losses of all jaws.
+  double covered = 7.0;             // of a segment that others cover all around
+  double width_per_m = 30;          // for each metre between the contacts over narrow_m
+  double narrow_m = 0.02;           // width up to which there is no loss
+  double center_offset_per_m = 29;  // for each metre of GraspMeasures::center_offset_m
 
   // Returns the chance of success, 0..1.
   double Of(const GraspMeasures& grasp) const;

@@ -28,8 +28,8 @@ class CompletedPlan {
  public:
   explicit CompletedPlan(std::vector<OccupancyShape> shapes,
                          std::shared_ptr<const Gripper> tool = nullptr,
-                         double min_reported_score = 0)
-      : shapes_(std::move(shapes)),
+                         double min_reported_score = 0, ImageSegments segments = {})
+      : shapes_(std::move(shapes), std::move(segments)),
         tools_{tool != nullptr ? tool : std::make_shared<ParallelJaw>(SmallJaw())},
         planner_(Setup(), Options(min_reported_score)) {}
 
@@ -89,6 +89,39 @@ TEST(CompletedPlanner, ClosesOnASphereThroughItsCenter) {
     EXPECT_LT(std::abs(center_G.y()), 0.006) << "the closing line passes the solid";
     EXPECT_GT(grasp.width_m, 1.5 * kRadius_m);
     EXPECT_LT(grasp.X_WG.linear()(2, 2), 0) << "from above";
+  }
+}
+
+// Two equal spheres, of which others cover one.
+TEST(CompletedPlanner, AFreeObjectComesBeforeACoveredOne) {
+  const Pose left = OnFloor(-0.06, 0, 2 * kRadius_m, 0), right = OnFloor(0.06, 0, 2 * kRadius_m, 0);
+  CloudScene scene;
+  scene.AddMesh(SphereMesh(kRadius_m), left);
+  scene.AddMesh(SphereMesh(kRadius_m), right);
+  ImageSegments segments = LeftAndRight(scene);
+  for (const int covered : {0, 1}) {
+    for (int i = 0; i < 2; ++i) {
+      const Pose& pose = i == 0 ? left : right;
+      segments.segments[i].center_C = scene.camera().X_CW() * pose.translation();
+      segments.segments[i].covered = i == covered ? 0.4 : 0;
+    }
+    CompletedPlan plan({SphereShape(kRadius_m, left), SphereShape(kRadius_m, right)}, nullptr, 0,
+                       segments);
+    const PlanResult result = plan.Of(scene.Input(1000));
+    ASSERT_FALSE(result.grasps.empty());
+    const double first_x = result.grasps.front().X_WG.translation().x();
+    EXPECT_EQ(first_x < 0, covered == 1);
+    const SuccessChance chance;
+    double covered_chance = 0, free_chance = 0;
+    for (const Grasp& grasp : result.grasps) {
+      const bool is_covered = (grasp.X_WG.translation().x() < 0) == (covered == 0);
+      double& best = is_covered ? covered_chance : free_chance;
+      best = std::max(best, grasp.score);
+    }
+    ASSERT_GT(covered_chance, 0);
+    EXPECT_NEAR(
+        std::log(free_chance / (1 - free_chance)) - std::log(covered_chance / (1 - covered_chance)),
+        0.4 * chance.covered, 0.5);
   }
 }
 

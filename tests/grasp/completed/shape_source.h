@@ -5,6 +5,8 @@
 #include <functional>
 
 #include "grasp/completed/occupancy_shape.h"
+#include "scenes/camera/depth_points.h"
+#include "tests/grasp/cloud/cloud_scene.h"
 #include "tests/support/layer.h"
 
 namespace pickbed::tests {
@@ -42,15 +44,31 @@ inline OccupancyShape BoxShape(const Eigen::Vector3d& size_m, const Pose& X_WO, 
 
 class GivenShapes : public ShapeSource {
  public:
-  explicit GivenShapes(std::vector<OccupancyShape> shapes) : shapes_(std::move(shapes)) {}
+  explicit GivenShapes(std::vector<OccupancyShape> shapes, ImageSegments segments = {})
+      : shapes_(std::move(shapes)), segments_(std::move(segments)) {}
   std::vector<OccupancyShape> Shapes(const PlannerInput&, int max_shapes) override {
     std::vector<OccupancyShape> given = shapes_;
     if (given.size() > static_cast<size_t>(max_shapes)) given.resize(max_shapes);
     return given;
   }
+  ImageSegments Segments() const override { return segments_; }
 
  private:
   std::vector<OccupancyShape> shapes_;
+  ImageSegments segments_;
 };
+
+// Returns two segments: the readings over the floor of the scene with a negative x in W, and the
+// other ones. Their measures are empty.
+inline ImageSegments LeftAndRight(const CloudScene& scene) {
+  const RgbdFrame& frame = scene.frame();
+  ImageSegments image{{frame.depth_m.width(), frame.depth_m.height(), 0}, {{}, {}}};
+  ForEachDepthPoint(frame.intrinsics, frame.depth_m, [&](int u, int v, const Eigen::Vector3d& p_C) {
+    const Eigen::Vector3d p_W = scene.camera().X_WC() * p_C;
+    const bool is_inside = p_W.head<2>().cwiseAbs().maxCoeff() < 0.14;
+    if (is_inside && p_W.z() > 0.004) image.labels(u, v) = p_W.x() < 0 ? 1 : 2;
+  });
+  return image;
+}
 
 }  // namespace pickbed::tests
