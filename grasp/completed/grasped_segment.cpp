@@ -56,8 +56,8 @@ const SegmentMeasures* GraspedSegment(const ImageSegments& image, const PlannerI
       ++readings[label - 1];
     }
   }
-  const auto most = std::max_element(readings.begin(), readings.end());
-  return *most > 0 ? &image.segments[most - readings.begin()] : nullptr;
+  const auto largest = std::max_element(readings.begin(), readings.end());
+  return *largest > 0 ? &image.segments[largest - readings.begin()] : nullptr;
 }
 
 double CenterOffset_m(const SegmentMeasures& segment, const Pose& X_WC, const Pose& X_WG) {

@@ -13,6 +13,7 @@
 #include "perception/icp/projective_icp.h"
 #include "perception/model/model_points.h"
 #include "perception/segments/object_segments.h"
+#include "perception/segments/segment_cover.h"
 #include "perception/verify/non_maximum_suppression.h"
 #include "perception/verify/pose_features.h"
 #include "perception/voting/pose_clustering.h"
@@ -76,6 +77,16 @@ void Segments(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(Segments)->Name("segments/known_bin/640x480")->Unit(benchmark::kMillisecond);
+
+void SegmentCover(benchmark::State& state) {
+  const BracketScene& scene = SharedScene();
+  const ObjectSegments segments = SegmentFrame(scene.view.frame, scene.view.background);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(CoveredShares(scene.view.frame.depth_m, segments));
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(SegmentCover)->Name("segment_cover/640x480")->Unit(benchmark::kMillisecond);
 
 void ModelOfBracket(benchmark::State& state) {
   const ObjectModel& object = *SharedScene().objects.front();
