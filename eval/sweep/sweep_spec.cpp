@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <charconv>
 #include <cstdio>
 #include <map>
 
@@ -20,7 +21,7 @@ constexpr int kMaxConfigurations = 10000;
 
 constexpr std::array<SweepKey, 6> kSweepKeys{{
     {"scenario", "text", "name of a preset, or a scenario file relative to this file; required"},
-    {"trials", "whole number from 1",
+    {"trials", "whole number from 1 to 1000000",
      "number of bins per configuration; default: as in the "
      "scenario"},
     {"set", "map of settings", "settings of all configurations, with the keys of a scenario file"},
@@ -163,10 +164,14 @@ std::vector<GridAxis> GridOf(const SettingsTree& grid) {
 }
 
 int TrialsOf(const SettingsTree& entry) {
-  int trials = 0, used = 0;
-  const int read = std::sscanf(entry.text.c_str(), "%d%n", &trials, &used);
-  const bool ok = read == 1 && used == static_cast<int>(entry.text.size()) && trials >= 1;
-  if (!ok) Fail(entry, "must be a whole number from 1 (bins per configuration)");
+  constexpr int kMaxTrials = 1000000;  // as in a scenario
+  int trials = 0;
+  const char* const end = entry.text.data() + entry.text.size();
+  const auto [after, error] = std::from_chars(entry.text.data(), end, trials);
+  if (error != std::errc() || after != end || trials < 1 || trials > kMaxTrials) {
+    Fail(entry,
+         fmt::format("must be a whole number from 1 to {} (bins per configuration)", kMaxTrials));
+  }
   return trials;
 }
 
