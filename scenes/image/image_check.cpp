@@ -67,10 +67,13 @@ void LeaveOnError(j_common_ptr codec) {
 // Some cameras write a few bytes more before the end mark. Many bytes are left if the codes are
 // damaged.
 void KeepWarning(j_common_ptr codec, int level) {
-  constexpr int kMaxFillBytes = 16;
+  constexpr int kMaxFillBytes = 16, kEndMark = 0xd9;
   const jpeg_error_mgr& error = *codec->err;
   if (level >= 0) return;
-  if (error.msg_code == JWRN_EXTRANEOUS_DATA && error.msg_parm.i[0] <= kMaxFillBytes) return;
+  if (error.msg_code == JWRN_EXTRANEOUS_DATA && error.msg_parm.i[0] <= kMaxFillBytes &&
+      error.msg_parm.i[1] == kEndMark) {
+    return;
+  }
   KeepText(codec);
 }
 

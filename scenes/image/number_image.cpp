@@ -106,6 +106,9 @@ NumpyHeader ReadNumpyHeader(const std::string& bytes, const std::string& name) {
   header.end = (is_first ? 10 : 12) + size_t{length};
   require(header.end <= bytes.size(), "the NumPy file ends in its header; get it again");
   const std::string text = bytes.substr(0, header.end);
+  const size_t last = text.find_last_not_of(" \n");
+  require(last != std::string::npos && text[last] == '}',
+          "its NumPy header has more than a dictionary; get it again");
   const auto value_of = [&](const std::string& key) {
     const size_t at = text.find("'" + key + "':");
     require(at != std::string::npos, "its NumPy header has no '" + key + "'");

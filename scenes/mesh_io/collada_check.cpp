@@ -130,7 +130,19 @@ class Checker {
       if (needed > count) {
         Refuse(*accessor, fmt::format("takes {} values, but its array has {}", needed, count));
       }
+      CheckParams(*accessor, stride);
     }
+  }
+
+  // Each value of a point, direction or color is a parameter. A matrix is one parameter of 16
+  // values.
+  void CheckParams(const XmlElement& accessor, uint64_t stride) const {
+    constexpr uint64_t kMaxColorValues = 4;
+    const auto params =
+        std::count_if(accessor.children.begin(), accessor.children.end(),
+                      [](const XmlElement& child) { return child.name == "param"; });
+    if (params == 0 || stride > kMaxColorValues || static_cast<uint64_t>(params) == stride) return;
+    Refuse(accessor, fmt::format("has {} parameters, but a stride of {}", params, stride));
   }
 
   void CheckPrimitives(const XmlElement& primitives) const {

@@ -39,17 +39,37 @@ bool IsCorner(std::string_view word) {
   return false;
 }
 
+// Whether the word can begin a statement. Programs have statements of their own, but only words.
+bool IsStatement(std::string_view word) {
+  return word == "curv2" || (IsKeyword(word) && std::none_of(word.begin(), word.end(), [](char c) {
+                               return std::isdigit(static_cast<unsigned char>(c)) != 0;
+                             }));
+}
+
+// Which of its indices a corner has: "1/2/3" gives "//", and "1//3" gives "-//".
+std::string FormOf(std::string_view corner) {
+  std::string form;
+  for (size_t i = 0; i < corner.size(); ++i) {
+    if (corner[i] == '/') form += i + 1 < corner.size() && corner[i + 1] == '/' ? "-/" : "/";
+  }
+  return form;
+}
+
 // The fault of a statement of an OBJ; empty = none.
 std::string FaultOfObj(const std::vector<std::string_view>& words) {
   if (words.empty()) return "";
   const std::string_view kind = words.front();
   const auto shown = [](std::string_view word) { return "'" + OneLine(std::string(word)) + "'"; };
-  if (!IsKeyword(kind)) return fmt::format("begins with {}, which is no word", shown(kind));
+  if (!IsStatement(kind)) return fmt::format("begins with {}, which is no word", shown(kind));
   const bool has_numbers = kind == "v" || kind == "vn" || kind == "vt";
   if (!has_numbers && kind != "f") return "";
   for (size_t i = 1; i < words.size(); ++i) {
     if (has_numbers && !NumberIn(words[i])) return shown(words[i]) + " is no number";
-    if (!has_numbers && !IsCorner(words[i])) return shown(words[i]) + " is no corner of a face";
+    if (has_numbers) continue;
+    if (!IsCorner(words[i])) return shown(words[i]) + " is no corner of a face";
+    if (FormOf(words[i]) != FormOf(words[1])) {
+      return fmt::format("has corners of two forms, {} and {}", shown(words[1]), shown(words[i]));
+    }
   }
   const size_t fewest = kind == "v" || kind == "vn" ? 3 : 1;
   if (words.size() - 1 < fewest) return fmt::format("has {} numbers", words.size() - 1);

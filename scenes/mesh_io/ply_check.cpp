@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
@@ -78,6 +79,12 @@ std::optional<Range> RangeOf(const std::string& type) {
 bool IsType(const std::string& type) {
   return RangeOf(type) || type == "float" || type == "float32" || type == "double" ||
          type == "float64";
+}
+
+// Whether the word can be a name: printable ASCII.
+bool IsName(const std::string& word) {
+  return !word.empty() &&
+         std::all_of(word.begin(), word.end(), [](char c) { return c > ' ' && c <= '~'; });
 }
 
 // One line of an element, with its number in the file.
@@ -219,7 +226,10 @@ Header ReadHeader(const std::filesystem::path& path, std::ifstream& file, size_t
       words >> property.type;
       if (property.type == "list") words >> property.count_type >> property.type;
       words >> property.name;
-      property.name = OneLine(property.name);
+      if (!IsName(property.name)) {
+        RefuseUnreadable(path, fmt::format("line {} has no name of a property: '{}'", line_number,
+                                           OneLine(line)));
+      }
       const bool is_list = !property.count_type.empty();
       if (!IsType(property.type) || (is_list && !RangeOf(property.count_type))) {
         RefuseUnreadable(

@@ -43,6 +43,13 @@ TEST(FaultOfImage, FillBytesBeforeTheEndMarkOfAJpegAreNoFault) {
   EXPECT_EQ(FaultOfImage(jpeg.insert(jpeg.size() - 2, 3, '\0')), "");
 }
 
+TEST(FaultOfImage, BytesBeforeOtherMarksOfAJpegAreNoticed) {
+  std::string jpeg = EncodeJpeg(Noise(), 90);
+  const size_t tables = jpeg.find("\xff\xc4");
+  ASSERT_NE(tables, std::string::npos);
+  EXPECT_THAT(FaultOfImage(jpeg.insert(tables, 3, '\0')), HasSubstr("3 extraneous bytes"));
+}
+
 TEST(FaultOfImage, EveryFlippedBitAndEveryCutOfAPngIsNoticed) {
   const std::string png = EncodePng(Image<uint16_t>(5, 4), 3);
   const size_t magic = 4;  // without it, the bytes are no PNG

@@ -70,6 +70,9 @@ TEST(NumberImage, RefusesOtherFilesInOneLine) {
   };
   EXPECT_THAT(error("text"), HasSubstr("no PNG, TIFF, OpenEXR or NumPy"));
   EXPECT_THAT(error("\x93NUMPY"), HasSubstr("header"));
+  EXPECT_THAT(
+      error(Numpy("{'descr': '|u1', 'fortran_order': False, 'shape': (1, 2), }  \xf9 \n", "ab")),
+      HasSubstr("more than a dictionary"));
   EXPECT_THAT(error(Numpy("{'descr': '<f4', 'fortran_order': True, 'shape': (1, 2), }\n", "")),
               HasSubstr("ascontiguousarray"));
   EXPECT_THAT(error(Numpy("{'descr': '>f4', 'fortran_order': False, 'shape': (1, 2), }\n", "")),

@@ -48,6 +48,8 @@ TEST(Collada, CountsAndNumbersAreChecked) {
       {"a count that is none", DaeWith("count=\"12\"", "count=\"1x\""), "'1x' for count"},
       {"an accessor beyond its array", DaeWith("count=\"4\"", "count=\"5\""),
        "<accessor> takes 15 values, but its array has 12"},
+      {"a parameter with a broken name", DaeWith("<param name=\"X\"", "<para- name=\"X\""),
+       "<accessor> has 2 parameters, but a stride of 3"},
       {"too few triangles", DaeWith("triangles count=\"2\"", "triangles count=\"1\""),
        "<triangles> has 6 indices, but needs 3"},
       {"too many triangles", DaeWith("triangles count=\"2\"", "triangles count=\"3\""),

@@ -62,7 +62,12 @@ TEST(ObjText, NumbersAndCornersAreChecked) {
        {"too few numbers", Obj("v 0 1"), "line 5 has 2 numbers"},
        {"a broken corner", Obj("f 1 2 3x"), "line 5 '3x' is no corner of a face"},
        {"a corner with four numbers", Obj("f 1 2 3/1/1/1"), "'3/1/1/1' is no corner"},
-       {"a keyword with other bytes", Obj("mt\xa3lib a.mtl"), "which is no word"}},
+       {"a keyword with other bytes", Obj("mt\xa3lib a.mtl"), "which is no word"},
+       {"a rest of a line", Obj("4 3"), "line 5 begins with '4', which is no word"},
+       {"two lines that are joined", Obj("use1 3/2"), "begins with 'use1', which is no word"},
+       {"corners with normals", Obj("f 1//1 2//1 3//1"), ""},
+       {"a cut corner", Obj("f 1/1/1 2/1/1 3"), "has corners of two forms, '1/1/1' and '3'"},
+       {"a corner without a normal", Obj("f 1//1 2/1/1 3//1"), "forms, '1//1' and '2/1/1'"}},
       "a.obj");
 }
 
