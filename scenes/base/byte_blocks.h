@@ -41,6 +41,7 @@ class BlockReader {
   // Reads blocks without a head.
   explicit BlockReader(std::string_view body) : rest_(body) {}
   std::string_view Take();
+  bool IsAtEnd() const { return rest_.empty(); }
   template <typename Value>
   std::vector<Value> TakeAll() {
     const std::string_view block = Take();

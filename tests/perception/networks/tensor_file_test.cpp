@@ -76,6 +76,14 @@ TEST(TensorFile, CraftedHeadersAreRefused) {
       HasSubstr("cut short"));
 }
 
+TEST(TensorFile, BytesAfterTheLastEntryAreRefused) {
+  BlockWriter writer;
+  writer.Put("kind: test file\nversion: 3\nentries: []\n");
+  EXPECT_EQ(ErrorOf([&] { Parse(writer.Bytes("PICKTENS", 1)); }), "no error");
+  writer.Put("");
+  EXPECT_THAT(ErrorOf([&] { Parse(writer.Bytes("PICKTENS", 1)); }), HasSubstr("is longer"));
+}
+
 TEST(TensorFile, NamesTypesAndValuesAreChecked) {
   EXPECT_THAT(ErrorOf([] { Example().Floats("bias"); }), HasSubstr("it has no entry 'bias'"));
   EXPECT_THAT(ErrorOf([] { Example().Floats("note"); }),
