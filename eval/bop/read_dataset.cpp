@@ -315,11 +315,15 @@ SceneTruth ReadSceneTruth(const fs::path& folder, int scene_id, const OnFault& f
   const std::string sensor = ChosenSensor(folder, wanted_sensor);
   SceneTruth scene{scene_id, folder, {}, sensor};
   const fs::path cameras = folder / OfSensor(kSceneCameraFile, sensor);
+  const bool has_depth = fs::is_directory(folder / OfSensor("depth", sensor));
   if (const std::optional<ParsedJson> json = ReadJson(cameras, fault)) {
     ForEachId(*json, JsonPlace(cameras.string(), fault), "image",
               [&](int id, const ParsedJson& entry, const JsonPlace& place) {
                 scene.images[id].image_id = id;
                 ReadCamera(entry, place, scene.images[id]);
+                if (has_depth && entry.is_object() && !entry.contains("depth_scale")) {
+                  place.Fault("has no 'depth_scale', but the scene has depth images");
+                }
               });
   }
   if (scene.images.empty()) return scene;

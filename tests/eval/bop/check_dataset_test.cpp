@@ -158,6 +158,8 @@ TEST_F(BopCheck, WrongJsonValuesAreReported) {
        "scene_camera.json: image 0: has no 'cam_K'"},
       {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"]["cam_K"][0] = 0; },
        "must be from 0.001"},
+      {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"].erase("depth_scale"); },
+       "has no 'depth_scale', but the scene has depth images"},
       {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"]["depth_scale"] = 0; },
        "'depth_scale' is 0, not from 1e-06 to 100"},
       {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"]["cam_R_w2c"][4] = 7; },
