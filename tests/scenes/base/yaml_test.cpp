@@ -48,5 +48,15 @@ TEST(ParseYaml, RefusesDeepNestingAndLargeTexts) {
   EXPECT_THAT(ErrorFor("a: " + std::string(5 << 20, 'x')), HasSubstr("a YAML file may have"));
 }
 
+TEST(ParseYaml, RefusesTextsThatAreNotUtf8) {
+  for (const char* const text :
+       {"\xbb", "\xc3", "\xc0\xaf", "\xe0\x80\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80"}) {
+    const std::string message = ErrorFor(std::string("a: 1\nb: x") + text + "y\n");
+    EXPECT_THAT(message, HasSubstr("a.yaml:2")) << text;
+    EXPECT_THAT(message, HasSubstr("is not UTF-8")) << text;
+  }
+  ParseYaml("# M\xfcller\nname: M\xc3\xbcller \xe2\x82\xac \xf0\x9f\x98\x80\n", "a.yaml");
+}
+
 }  // namespace
 }  // namespace pickbed::tests
