@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -86,10 +87,58 @@ std::string FaultOf(const Words& words) {
                      near.empty() ? "" : "; did you mean " + near + "?");
 }
 
+// Returns the rest of a line after its first word, without spaces around it.
+std::string RestOf(const std::string& line, std::string_view word) {
+  const size_t from = line.find_first_not_of(" \t\r", line.find(word) + word.size());
+  if (from == std::string::npos) return "";
+  return line.substr(from, line.find_last_not_of(" \t\r") + 1 - from);
+}
+
+// Returns the names after a word at the begin of lines, with the numbers of their first lines.
+std::map<std::string, size_t> NamesAfter(const std::filesystem::path& path, std::string_view word) {
+  std::map<std::string, size_t> names;
+  std::ifstream file(path, std::ios::binary);
+  size_t number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++number;
+    if (line.find(word) == std::string::npos) continue;  // most lines, unsplit
+    const Words words = WordsOf(line);
+    if (!words.empty() && words.front() == word) names.emplace(RestOf(line, word), number);
+  }
+  return names;
+}
+
+// Names with which programs say that a face has no material.
+bool IsNoMaterial(const std::string& name) {
+  return name.empty() || name == "None" || name == "none" || name == "(null)" || name == "default";
+}
+
 }  // namespace
+
+void CheckMaterials(const std::filesystem::path& mesh,
+                    const std::set<std::filesystem::path>& files) {
+  std::map<std::string, size_t> materials;
+  bool all_exist = true;
+  for (const std::filesystem::path& file : files) {
+    if (LowerExtension(file) != ".mtl") continue;
+    CheckMaterialFile(mesh, file);
+    all_exist &= std::filesystem::exists(file);
+    materials.merge(NamesAfter(file, "newmtl"));
+  }
+  if (!all_exist || materials.empty() || LowerExtension(mesh) != ".obj") return;
+  for (const auto& [name, line] : NamesAfter(mesh, "usemtl")) {
+    if (IsNoMaterial(name) || materials.contains(name)) continue;
+    RefuseUnreadable(mesh, fmt::format("line {} uses the material {}, which its material file does "
+                                       "not have",
+                                       line, Shown(name)));
+  }
+}
 
 void CheckMaterialFile(const std::filesystem::path& mesh, const std::filesystem::path& material) {
   std::ifstream file(material, std::ios::binary);
+  if (file && file.peek() == std::ifstream::traits_type::eof()) {
+    RefuseUnreadable(mesh, fmt::format("its material file '{}' is empty", material.string()));
+  }
   size_t number = 0;
   bool has_material = false;
   for (std::string line; std::getline(file, line);) {

@@ -3,6 +3,7 @@
 // Check of a material file (MTL), which assimp 5.2 does not make.
 
 #include <filesystem>
+#include <set>
 
 namespace pickbed::scenes {
 
@@ -14,5 +15,12 @@ namespace pickbed::scenes {
 //
 // Throws InputError that names both files and the line.
 void CheckMaterialFile(const std::filesystem::path& mesh, const std::filesystem::path& material);
+
+// Checks the material files among the files of a mesh. If all of them exist and name materials, an
+// OBJ file may use only these, besides the usual names for no material.
+//
+// Throws InputError that names the mesh, and the line or the material file.
+void CheckMaterials(const std::filesystem::path& mesh,
+                    const std::set<std::filesystem::path>& files);
 
 }  // namespace pickbed::scenes

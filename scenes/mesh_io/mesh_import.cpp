@@ -26,6 +26,9 @@
 namespace pickbed::scenes {
 namespace {
 
+// In the unit of the file. Larger ones are damaged, also in micrometres.
+constexpr double kMaxCoordinate = 1e7;
+
 namespace fs = std::filesystem;
 
 constexpr int kNoTexture = -1;
@@ -268,9 +271,7 @@ ImportedMesh ImportMesh(const fs::path& path, double scale) {
   importer.SetIOHandler(new NotingFiles(imported.used));  // the importer owns it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(path.string(), aiProcess_ValidateDataStructure);
-  for (const fs::path& file : imported.used) {
-    if (LowerExtension(file) == ".mtl") CheckMaterialFile(path, file);
-  }
+  CheckMaterials(path, imported.used);
   if (scene == nullptr || scene->mRootNode == nullptr) {
     RefuseUnreadable(path, importer.GetErrorString());
   }
@@ -290,6 +291,12 @@ ImportedMesh ImportMesh(const fs::path& path, double scale) {
   const auto is_finite = [](const Eigen::Vector3d& vertex) { return vertex.allFinite(); };
   CheckInput(std::ranges::all_of(mesh.vertices, is_finite),
              "mesh '" + path.string() + "' has vertices that are not numbers; export it again");
+  const auto is_near = [](const Eigen::Vector3d& vertex) {
+    return vertex.cwiseAbs().maxCoeff() <= kMaxCoordinate;
+  };
+  CheckInput(std::ranges::all_of(mesh.vertices, is_near),
+             fmt::format("mesh '{}' has a coordinate over {:g}; export it again", path.string(),
+                         kMaxCoordinate));
   const size_t faces = mesh.triangles.size();
   DropDegenerate(mesh);
   imported.report.degenerate_faces = static_cast<int>(faces - mesh.triangles.size());
