@@ -317,6 +317,9 @@ SceneTruth ReadSceneTruth(const fs::path& folder, int scene_id, const OnFault& f
   const fs::path cameras = folder / OfSensor(kSceneCameraFile, sensor);
   const bool has_depth = fs::is_directory(folder / OfSensor("depth", sensor));
   if (const std::optional<ParsedJson> json = ReadJson(cameras, fault)) {
+    const bool has_scales = std::ranges::any_of(*json, [](const ParsedJson& entry) {
+      return entry.is_object() && entry.contains("depth_scale");
+    });
     ForEachId(*json, JsonPlace(cameras.string(), fault), "image",
               [&](int id, const ParsedJson& entry, const JsonPlace& place) {
                 scene.images[id].image_id = id;

@@ -4,20 +4,24 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <optional>
 #include <sstream>
 
 #include "eval/frames/ply_rows.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 
 namespace pickbed::eval {
 namespace {
 
 constexpr size_t kFieldBytes = 4;
 constexpr int kMaxSide = 1 << 14;
+constexpr double kMaxDepth_m = 1e4;  // no camera and no scanner sees as far
 
 std::string ExtensionOf(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -35,6 +39,66 @@ struct PcdHeader {
   size_t end = 0;    // first byte of the data
 };
 
+// Returns the whole number of a statement, which has one.
+int WholeNumber(const std::vector<std::string>& words, const std::string& name) {
+  int number = 0;
+  const bool is_one = words.size() == 2;
+  const std::string& word = words.back();
+  const char* const end = word.data() + word.size();
+  const auto [after, error] = std::from_chars(word.data(), end, number);
+  CheckInput(is_one && error == std::errc() && after == end,
+             fmt::format("{}: the header of the PCD file has no whole number after {}; get the "
+                         "file again",
+                         name, words.front()));
+  return number;
+}
+
+void RequireViewpoint(const std::vector<std::string>& words, const std::string& name) {
+  constexpr size_t kNumbers = 7;  // position and quaternion
+  const auto is_number = [](const std::string& word) {
+    double number = 0;
+    const char* const end = word.data() + word.size();
+    const auto [after, error] = std::from_chars(word.data(), end, number);
+    return error == std::errc() && after == end && std::isfinite(number);
+  };
+  CheckInput(words.size() == 1 + kNumbers && std::all_of(words.begin() + 1, words.end(), is_number),
+             name + ": VIEWPOINT of the PCD file has no seven numbers; get the file again");
+}
+
+// Reads one line of the header.
+void ReadPcdLine(const std::vector<std::string>& words, const std::string& name,
+                 PcdHeader& header) {
+  const std::string& key = words.front();
+  if (key == "FIELDS") {
+    header.fields.assign(words.begin() + 1, words.end());
+  } else if (key == "TYPE") {
+    header.types.assign(words.begin() + 1, words.end());
+  } else if (key == "SIZE" || key == "COUNT") {
+    const std::string wanted = key == "SIZE" ? "4" : "1";
+    for (size_t i = 1; i < words.size(); ++i) {
+      CheckInput(words[i] == wanted,
+                 fmt::format("{}: {} has {}; only fields with one value of four "
+                             "bytes are read, so write the cloud with these",
+                             name, key, OneLine(words[i])));
+    }
+  } else if (key == "WIDTH") {
+    header.width = WholeNumber(words, name);
+  } else if (key == "HEIGHT") {
+    header.height = WholeNumber(words, name);
+  } else if (key == "POINTS") {
+    WholeNumber(words, name);
+  } else if (key == "VIEWPOINT") {
+    RequireViewpoint(words, name);
+  } else if (key == "DATA") {
+    header.data = words.size() == 2 ? words.back() : "not one word";
+  } else {
+    CheckInput(key == "VERSION",
+               fmt::format("{}: the header of the PCD file has the unknown word '{}'; get the file "
+                           "again",
+                           name, OneLine(key)));
+  }
+}
+
 PcdHeader ReadPcdHeader(const std::string& bytes, const std::string& name) {
   PcdHeader header;
   while (header.data.empty()) {
@@ -43,26 +107,8 @@ PcdHeader ReadPcdHeader(const std::string& bytes, const std::string& name) {
                name + ": the header of a PCD file has no line DATA; give a PCD file");
     std::istringstream line(bytes.substr(header.end, end - header.end));
     header.end = end + 1;
-    std::string key, word;
-    line >> key;
-    if (key == "FIELDS") {
-      while (line >> word) header.fields.push_back(word);
-    } else if (key == "TYPE") {
-      while (line >> word) header.types.push_back(word);
-    } else if (key == "SIZE" || key == "COUNT") {
-      const std::string wanted = key == "SIZE" ? "4" : "1";
-      while (line >> word) {
-        CheckInput(word == wanted, fmt::format("{}: {} has {}; only fields with one value of four "
-                                               "bytes are read, so write the cloud with these",
-                                               name, key, word));
-      }
-    } else if (key == "WIDTH") {
-      line >> header.width;
-    } else if (key == "HEIGHT") {
-      line >> header.height;
-    } else if (key == "DATA") {
-      line >> header.data;
-    }
+    const std::vector<std::string> words{std::istream_iterator<std::string>(line), {}};
+    if (!words.empty() && !words.front().starts_with('#')) ReadPcdLine(words, name, header);
   }
   return header;
 }
@@ -246,6 +292,10 @@ RgbdFrame FrameOfCloud(const CloudFile& cloud, const std::string& name, double u
   frame.depth_m = Coordinate(cloud, "z", name, unit_m);
   for (float& z : frame.depth_m.pixels()) {
     if (!std::isfinite(z) || z < 0) z = 0;
+    CheckInput(z <= kMaxDepth_m,
+               fmt::format("{}: a point is {:g} m away, over {:g} m; get the file again, or give "
+                           "the unit of its points",
+                           name, z, kMaxDepth_m));
   }
   frame.intrinsics = FitIntrinsics(frame.depth_m, Coordinate(cloud, "x", name, unit_m),
                                    Coordinate(cloud, "y", name, unit_m), name);

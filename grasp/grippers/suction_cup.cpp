@@ -39,6 +39,11 @@ void SuctionCup::Validate(const std::string& source) const {
   CheckInput(cup.press_m < cup.bellows_travel_m,
              fmt::format("{}: press_m = {}: must be below the bellows_travel_m of {}", source,
                          cup.press_m, cup.bellows_travel_m));
+  const double palm_m = cup.palm_size_m.head<2>().maxCoeff();
+  CheckInput(2 * cup.stem_radius_m <= palm_m,
+             fmt::format("{}: stem_radius_m = {}: the stem is wider than the palm behind it, which "
+                         "has {} m; lower it or raise palm_size_m",
+                         source, cup.stem_radius_m, palm_m));
   const double max_n = kAirPressure_pa * std::numbers::pi * cup.radius_m * cup.radius_m;
   CheckInput(cup.vacuum_n <= max_n,
              fmt::format("{}: vacuum_n = {}: air pressure holds a cup of radius_m = {} with {:.3g} "
