@@ -1,5 +1,5 @@
-// Replays the inputs that failed once (tests/fuzz/failed/TARGET/*), and some mutations of each
-// target.
+// Replays the inputs that failed once (tests/fuzz/failed/TARGET/*), the broken ones that were
+// accepted once (tests/fuzz/refused/TARGET/*), and some mutations of each target.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,16 +28,29 @@ TEST_P(FuzzTargetTest, AcceptsItsSeeds) {
   }
 }
 
-TEST_P(FuzzTargetTest, RefusesInputsThatFailedOnce) {
+// Runs the inputs of tests/fuzz/FOLDER/TARGET.
+void Replay(const FuzzTarget& target, const char* folder,
+            const std::function<void(const std::string&, const FuzzCase&)>& check) {
   const TemporaryFolder temporary;
-  const std::filesystem::path folder =
-      std::filesystem::path(PICKBED_SOURCE_DIR) / "tests" / "fuzz" / "failed" / GetParam()->name;
+  const std::filesystem::path inputs =
+      std::filesystem::path(PICKBED_SOURCE_DIR) / "tests" / "fuzz" / folder / target.name;
   std::error_code none;
-  for (const auto& file : std::filesystem::directory_iterator(folder, none)) {
-    const FuzzCase result = RunFuzzCase(*GetParam(), temporary.path(), ReadFileBytes(file.path()));
-    EXPECT_TRUE(IsFine(result)) << file.path() << ": " << FuzzResultName(result.result) << ": "
-                                << result.message;
+  for (const auto& file : std::filesystem::directory_iterator(inputs, none)) {
+    check(file.path().string(), RunFuzzCase(target, temporary.path(), ReadFileBytes(file.path())));
   }
+}
+
+TEST_P(FuzzTargetTest, RefusesInputsThatFailedOnce) {
+  Replay(*GetParam(), "failed", [](const std::string& file, const FuzzCase& result) {
+    EXPECT_TRUE(IsFine(result)) << file << ": " << FuzzResultName(result.result) << ": "
+                                << result.message;
+  });
+}
+
+TEST_P(FuzzTargetTest, RefusesBrokenInputsThatWereAcceptedOnce) {
+  Replay(*GetParam(), "refused", [](const std::string& file, const FuzzCase& result) {
+    EXPECT_EQ(result.result, FuzzResult::kRefused) << file << ": " << result.message;
+  });
 }
 
 TEST_P(FuzzTargetTest, SurvivesMutations) {
