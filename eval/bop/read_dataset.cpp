@@ -320,14 +320,16 @@ SceneTruth ReadSceneTruth(const fs::path& folder, int scene_id, const OnFault& f
     const bool has_scales = std::ranges::any_of(*json, [](const ParsedJson& entry) {
       return entry.is_object() && entry.contains("depth_scale");
     });
-    ForEachId(*json, JsonPlace(cameras.string(), fault), "image",
-              [&](int id, const ParsedJson& entry, const JsonPlace& place) {
-                scene.images[id].image_id = id;
-                ReadCamera(entry, place, scene.images[id]);
-                if (has_depth && entry.is_object() && !entry.contains("depth_scale")) {
-                  place.Fault("has no 'depth_scale', but the scene has depth images");
-                }
-              });
+    ForEachId(
+        *json, JsonPlace(cameras.string(), fault), "image",
+        [&](int id, const ParsedJson& entry, const JsonPlace& place) {
+          scene.images[id].image_id = id;
+          ReadCamera(entry, place, scene.images[id]);
+          if ((has_depth || has_scales) && entry.is_object() && !entry.contains("depth_scale")) {
+            place.Fault(
+                "has no 'depth_scale', but the scene has depth images or other images have one");
+          }
+        });
   }
   if (scene.images.empty()) return scene;
   ForEachImage(folder / OfSensor(kSceneTruthFile, sensor), scene, fault,

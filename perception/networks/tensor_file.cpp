@@ -107,11 +107,8 @@ TensorFile TensorFile::Parse(std::string_view bytes, const std::string& kind, in
   CheckInput(header.version >= oldest,
              fmt::format("it is of version {}, older than {}", header.version, oldest));
   TensorFile file(kind, header.version);
-  const char* end = nullptr;
   for (const EntryHead& head : header.entries) {
-    const std::string_view block = reader.Take();
-    file.Add(head.name, {head.type, ShapeFrom(head.shape), std::string(block)});
-    end = block.data() + block.size();
+    file.Add(head.name, {head.type, ShapeFrom(head.shape), std::string(reader.Take())});
   }
   CheckInput(reader.IsAtEnd(), "the file is damaged: it is longer than its header says");
   return file;

@@ -125,11 +125,6 @@ class Checker {
       const XmlElement* const common = source.Child("technique_common");
       const XmlElement* const accessor = common ? common->Child("accessor") : nullptr;
       if (accessor == nullptr) continue;
-      for (const XmlElement& child : accessor->children) {
-        if (child.name != "param") {
-          Refuse(child, fmt::format("'{}' is no element of an accessor", OneLine(child.name)));
-        }
-      }
       const uint64_t stride = Count(*accessor, "stride", 1);
       const uint64_t needed = Count(*accessor, "count") * stride + Count(*accessor, "offset", 0);
       if (needed > count) {

@@ -231,11 +231,6 @@ Header ReadHeader(const std::filesystem::path& path, std::ifstream& file, size_t
                                            OneLine(line)));
       }
       const bool is_list = !property.count_type.empty();
-      const auto is_printable = [](unsigned char c) { return c > 0x20 && c < 0x7f; };
-      if (property.name.empty() || !std::ranges::all_of(property.name, is_printable)) {
-        RefuseUnreadable(path, fmt::format("line {} has a property without a name of letters: '{}'",
-                                           line_number, OneLine(line)));
-      }
       if (!IsType(property.type) || (is_list && !RangeOf(property.count_type))) {
         RefuseUnreadable(
             path, fmt::format("line {} has an unknown type: '{}'", line_number, OneLine(line)));
