@@ -33,7 +33,7 @@ struct SuccessChance {
   double observed = 3.6;        // of a jaw on the observed surface with score 1
   double observed_score = 0.6;  // for each unit of the natural logarithm of its score
   double completed = 3.5;       // of a jaw on a completed shape
-  double thin = 1.5;            // loss of a completed shape without thickness, which may be thicker
+  double thin = 4.0;            // loss of a completed shape without thickness, which may be thicker
   double full_width_m = 0.012;  // thickness from which there is no loss
   double hidden = 2.2;          // loss of fingers that enter hidden space by full_hidden_m or more
   double full_hidden_m = 0.01;

@@ -21,7 +21,7 @@ TEST(MaterialFile, WordsAndNumbersAreChecked) {
   const std::string begin = "# made by hand\nnewmtl red\n";
   const MaterialCase cases[] = {
       {"fine", begin + "Kd 1 0 0\r\nKa 0.5\nd 0.5\nNs 96.1\nillum 2\n", ""},
-      {"nothing", "", ""},
+      {"nothing", "", "is empty"},
       {"options of a map", begin + "map_Kd -s 1 1 1 -clamp on a.tga\n", ""},
       {"a statement of another program", begin + "interpolation 3\n", ""},
       {"an emission over 1", begin + "Ke 20 20 20\n", ""},
