@@ -1,8 +1,8 @@
 #include "grasp/completed/grasped_segment.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <optional>
 
 #include "scenes/camera/camera.h"
 #include "scenes/camera/filled_depth.h"
