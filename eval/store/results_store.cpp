@@ -10,8 +10,10 @@
 #include "eval/store/schema_internal.h"
 #include "eval/store/settings_difference.h"
 #include "eval/store/store_check.h"
+#include "eval/trial/timed_stages.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 #include "scenes/base/random.h"
 
 namespace pickbed::eval {
@@ -51,13 +53,6 @@ void UpdateConfigurations(const Database& db, const StoreHead& head) {
     update.Bind(3, configuration.number);
     update.Step();
   }
-}
-
-std::string CurrentStage(const std::string& stage) {
-  for (const RenamedStage& renamed : kRenamedStages) {
-    if (renamed.was == stage) return std::string(renamed.is);
-  }
-  return stage;
 }
 
 StoreHead OneConfiguration(const std::string& settings) {
@@ -346,7 +341,7 @@ std::vector<TrialResult> ResultsStore::Read(int first, int end) const {
     results.push_back(std::move(row.result));
     results.back().trial = row.trial;
   }
-  const auto fail = [&](const char* table, int trial, const char* fault) {
+  const auto fail = [&](const char* table, int trial, const std::string& fault) {
     ThrowDamaged(db, table, fmt::format("trial {}", trial), fault);
   };
   const auto of = [&](const char* table, int trial) -> TrialResult& {
@@ -382,7 +377,13 @@ std::vector<TrialResult> ResultsStore::Read(int first, int end) const {
     if (row.hypothesis < 0 || row.hypothesis >= static_cast<int>(attempt.hypotheses.size())) {
       fail(kMetrics, row.trial, "table 'hypotheses' has no such hypothesis");
     }
-    attempt.hypotheses[row.hypothesis].metrics.Set(row.value.metric, row.value.value);
+    MetricValues& metrics = attempt.hypotheses[row.hypothesis].metrics;
+    if (!std::isnan(metrics.Get(row.value.metric))) {
+      fail(kMetrics, row.trial,
+           fmt::format("attempt {} has the metric '{}' of hypothesis {} twice", row.attempt,
+                       OneLine(row.value.metric), row.hypothesis));
+    }
+    metrics.Set(row.value.metric, row.value.value);
   });
   for (InstanceRow& row : Select<InstanceRow>(db, "instances", range)) {
     attempt_of("instances", row.trial, row.attempt).instances.push_back(row.record);
@@ -391,7 +392,11 @@ std::vector<TrialResult> ResultsStore::Read(int first, int end) const {
     of("instance_outcomes", row.trial).outcomes.push_back(row.instance_outcome);
   }
   for (const RejectionRow& row : Select<RejectionRow>(db, "rejections", range)) {
-    attempt_of("rejections", row.trial, row.attempt).grasps_rejected[row.cause] = row.grasps;
+    AttemptRecord& attempt = attempt_of("rejections", row.trial, row.attempt);
+    if (!attempt.grasps_rejected.emplace(row.cause, row.grasps).second) {
+      fail("rejections", row.trial,
+           fmt::format("attempt {} has the cause '{}' twice", row.attempt, OneLine(row.cause)));
+    }
   }
   for (const RefusalRow& row : Select<RefusalRow>(db, "refusals", range)) {
     std::vector<RefusedScene>& refused = of("refusals", row.trial).refused;
@@ -401,10 +406,22 @@ std::vector<TrialResult> ResultsStore::Read(int first, int end) const {
     refused.back().faults.push_back(row.fault);
   }
   for (const BandRow& row : Select<BandRow>(db, "bands", range)) {
-    of("bands", row.trial).bands.push_back(row.account);
+    std::vector<BandAccount>& bands = of("bands", row.trial).bands;
+    if (row.band != static_cast<int>(bands.size())) {
+      fail("bands", row.trial,
+           fmt::format("band {} is {}", row.band,
+                       row.band >= 0 && row.band < static_cast<int>(bands.size())
+                           ? "there twice"
+                           : "not the next one"));
+    }
+    bands.push_back(row.account);
   }
   for (const TimingRow& row : Select<TimingRow>(db, "timings", range)) {
-    of("timings", row.trial).seconds[CurrentStage(row.stage)] = row.seconds;
+    ReadAt(db, "timings", fmt::format("trial {}", row.trial), [&] { CheckTiming(row); });
+    StageSeconds& seconds = of("timings", row.trial).seconds;
+    if (!seconds.emplace(CurrentStage(row.stage), row.seconds).second) {
+      fail("timings", row.trial, fmt::format("stage '{}' is there twice", OneLine(row.stage)));
+    }
   }
   for (const TrialResult& result : results) {
     try {

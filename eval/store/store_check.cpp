@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "eval/store/schema_internal.h"
+#include "eval/trial/timed_stages.h"
 #include "scenes/base/ids_format.h"
 #include "scenes/base/message_text.h"
 
@@ -61,6 +63,26 @@ void RequireNumbered(const Database& db, const std::string& table, const std::st
                fmt::format("the numbers in column '{}' of its trial have a gap", number));
 }
 
+// Requires that no two rows of `table` have equal `keys`.
+void RequireUnique(const Database& db, const std::string& table, const std::string& keys) {
+  RequireNoRow(
+      db, table,
+      fmt::format("SELECT max(rowid) FROM {0} GROUP BY {1} HAVING count(*) > 1", table, keys),
+      fmt::format("another row has the same {}", keys));
+}
+
+// Requires that the first and the last trial of a table exist. The reader refuses the trials
+// between them that do not exist.
+void RequireTrials(const Database& db, const std::string& table) {
+  RequireNoRow(
+      db, table,
+      fmt::format("SELECT rowid FROM {0} WHERE (trial IS NULL OR trial IN (SELECT min(trial) FROM "
+                  "{0} UNION ALL SELECT max(trial) FROM {0})) AND NOT EXISTS (SELECT 1 FROM trials "
+                  "WHERE trials.trial = {0}.trial AND status = '{1}')",
+                  table, kFinished),
+      "table 'trials' has no such finished trial");
+}
+
 // Requires that column `number` of `table` is below the number of rows of `owner` with equal keys.
 void RequireOwner(const Database& db, const std::string& table, const std::string& owner,
                   const std::string& keys, const std::string& number) {
@@ -94,6 +116,11 @@ void CheckTables(const Database& db) {
       db, "trials",
       fmt::format("SELECT rowid FROM trials WHERE status NOT IN ('{}', '{}')", kFinished, kCrashed),
       fmt::format("its status is neither {} nor {}", kFinished, kCrashed));
+  RequireNoRow(db, "trials", "SELECT rowid FROM trials WHERE trial IS NULL OR trial < 0",
+               "the number of the trial is missing or negative");
+  ForEachTrialTable([&]<typename Row>(const char* table) {
+    if (!std::is_same_v<Row, TrialRow>) RequireTrials(db, table);
+  });
 }
 
 void CheckRows(const Database& db) {
@@ -111,6 +138,24 @@ void CheckRows(const Database& db) {
   }
   RequireNumbered(db, "hypotheses", "trial, attempt", "hypothesis");
   RequireOwner(db, "hypothesis_metrics", "hypotheses", "trial, attempt", "hypothesis");
+  RequireUnique(db, "hypothesis_metrics", "trial, attempt, hypothesis, metric");
+  RequireUnique(db, "instances", "trial, attempt, instance");
+  RequireUnique(db, "rejections", "trial, attempt, cause");
+  RequireNumbered(db, "bands", "trial", "band");
+  RequireUnique(db, "timings", "trial, stage");
+  RequireNoRow(db, "timings", "SELECT rowid FROM timings WHERE seconds < 0",
+               "its duration is negative");
+  ForEachRow<TimingRow>(db, "timings", "GROUP BY stage", [&](const TimingRow& row) {
+    ReadAt(db, "timings", fmt::format("trial {}", row.trial), [&] { CheckTiming(row); });
+  });
+}
+
+void CheckTiming(const TimingRow& row) {
+  CheckInput(IsTimedStage(CurrentStage(row.stage)),
+             fmt::format("column 'stage': '{}' is no stage of a trial", OneLine(row.stage)));
+  CheckInput(row.seconds >= 0 && std::isfinite(row.seconds),
+             fmt::format("column 'seconds': {} is no duration of stage '{}'", row.seconds,
+                         OneLine(row.stage)));
 }
 
 void CheckObjects(const TrialResult& result, size_t objects, const std::string& file) {
@@ -128,10 +173,18 @@ void CheckObjects(const TrialResult& result, size_t objects, const std::string& 
 
 void CheckValues(const TrialResult& result) {
   const auto is_share = [](double value) { return value >= 0 && value <= 1; };
+  // Returns the fault of a list that has an instance twice, else an empty text.
+  const auto doubled = [](const std::vector<InstanceRecord>& records) -> std::string {
+    std::vector<InstanceId> instances;
+    for (const InstanceRecord& record : records) instances.push_back(record.instance);
+    std::sort(instances.begin(), instances.end());
+    const auto found = std::adjacent_find(instances.begin(), instances.end());
+    return found == instances.end() ? "" : fmt::format("instance {} is there twice", *found);
+  };
   CheckInput(result.instances_dropped >= 0 && result.instances_cleared >= 0,
              "a number of instances is negative");
   for (const AttemptRecord& attempt : result.attempts) {
-    const auto check = [&](bool ok, const char* fault) {
+    const auto check = [&](bool ok, const std::string& fault) {
       if (!ok) throw InputError(fmt::format("attempt {}: {}", attempt.attempt, fault));
     };
     const int hypotheses = static_cast<int>(attempt.hypotheses.size());
@@ -141,6 +194,8 @@ void CheckValues(const TrialResult& result) {
       check(hypothesis.object >= 0, "the object of a hypothesis is negative");
       check(std::isfinite(hypothesis.score), "the score of a hypothesis is not finite");
     }
+    const std::string doubled_instance = doubled(attempt.instances);
+    check(doubled_instance.empty(), "in table 'instances', " + doubled_instance);
     for (const InstanceRecord& instance : attempt.instances) {
       check(instance.object >= 0 && instance.instance >= 0,
             "the number of an instance or object is negative");

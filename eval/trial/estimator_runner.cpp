@@ -7,6 +7,7 @@
 
 #include "eval/frames/region.h"
 #include "eval/trial/oracle_estimator.h"
+#include "eval/trial/timed_stages.h"
 #include "perception/candidates/estimate_trace.h"
 #include "perception/icp/final_refinement.h"
 #include "scenes/base/error.h"
@@ -149,7 +150,8 @@ EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, const CellCalib
       if (region) KeepPosesIn(*region, frame.intrinsics, cell_.objects(), trace->accepted);
     }
   }
-  for (const auto& [stage, value] : result.seconds) seconds["estimate/" + stage] += value;
+  for (const auto& [stage, value] : result.seconds)
+    seconds[std::string(kEstimatorStage) + stage] += value;
   seconds.merge(TakeNotFiniteCounts());
   result.seconds = std::move(seconds);
   return result;

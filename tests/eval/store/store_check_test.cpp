@@ -1,5 +1,6 @@
 #include "eval/store/store_check.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -107,7 +108,37 @@ INSTANTIATE_TEST_SUITE_P(
         EditedStore{"UPDATE trials SET status = 'lost'", "neither finished nor crashed"},
         EditedStore{"UPDATE trials SET layers = x'00'", "is a BLOB"},
         EditedStore{"UPDATE trials SET trial = 7 WHERE trial = 2",
-                    "table 'attempts', trial 2: table 'trials' has no such finished trial"},
+                    "table 'attempts', row 7: table 'trials' has no such finished trial"},
+        EditedStore{"UPDATE trials SET trial = -1 WHERE trial = 0",
+                    "table 'trials', row 1: the number of the trial is missing or negative"},
+        EditedStore{"UPDATE instances SET trial = -1 WHERE rowid = 1",
+                    "table 'instances', row 1: table 'trials' has no such finished trial"},
+        EditedStore{"UPDATE timings SET trial = NULL WHERE rowid = 2",
+                    "table 'timings', row 2: table 'trials' has no such finished trial"},
+        EditedStore{"UPDATE rejections SET trial = 3 WHERE rowid = 1",
+                    "table 'rejections', row 1: table 'trials' has no such finished trial"},
+        EditedStore{"INSERT INTO bands SELECT * FROM bands WHERE rowid = 3",
+                    "table 'bands', trial 1: band 0 is there twice"},
+        EditedStore{"UPDATE bands SET band = 5 WHERE rowid = 2",
+                    "table 'bands', trial 0: band 5 is not the next one"},
+        EditedStore{"UPDATE bands SET band = -1 WHERE rowid = 1", "band -1 is not the next one"},
+        EditedStore{"UPDATE timings SET stage = 'lunch' WHERE rowid = 3",
+                    "table 'timings', trial 1: column 'stage': 'lunch' is no stage of a trial"},
+        EditedStore{"UPDATE timings SET stage = '-1'", "'-1' is no stage of a trial"},
+        EditedStore{"UPDATE timings SET stage = 'estimate/'", "'estimate/' is no stage"},
+        EditedStore{"UPDATE timings SET seconds = -1 WHERE rowid = 1",
+                    "column 'seconds': -1 is no duration of stage 'capture'"},
+        EditedStore{"INSERT INTO timings SELECT * FROM timings WHERE rowid = 4",
+                    "table 'timings', trial 1: stage 'drop' is there twice"},
+        EditedStore{"INSERT INTO timings SELECT trial, 'see', 1 FROM timings WHERE rowid = 1",
+                    "stage 'see' is there twice"},
+        EditedStore{"INSERT INTO instances SELECT * FROM instances WHERE rowid = 1",
+                    "attempt 0: in table 'instances', instance 0 is there twice"},
+        EditedStore{"INSERT INTO rejections SELECT * FROM rejections WHERE rowid = 1",
+                    "table 'rejections', trial 0: attempt 0 has the cause 'collision' twice"},
+        EditedStore{
+            "INSERT INTO hypothesis_metrics SELECT * FROM hypothesis_metrics WHERE rowid = 1",
+            "has the metric 'mssd_m' of hypothesis 0 twice"},
         EditedStore{"DELETE FROM configurations", "has no such configuration"},
         EditedStore{"ALTER TABLE attempts DROP COLUMN slip_m",
                     "table 'attempts' has no column 'slip_m'"},
@@ -126,6 +157,41 @@ TEST_F(StoreCheck, RowsAreCheckedTogetherBeforeTheyAreCopied) {
               HasSubstr("table 'hypotheses', row 2: table 'attempts' has no such attempt"));
   Edit("DELETE FROM trials WHERE trial = 1");
   EXPECT_THAT(error(), HasSubstr("table 'trials' has no such trial"));
+}
+
+TEST_F(StoreCheck, StagesOfEstimatorsAndFormerNamesAreAccepted) {
+  Edit(
+      "INSERT INTO timings VALUES (0, 'estimate/of_another_estimator', 0), (0, 'not_finite/depth', "
+      "7), (1, 'try', 0.5)");
+  Edit("UPDATE timings SET stage = 'see' WHERE stage = 'capture'");
+  EXPECT_EQ(ErrorAtReading(), "");
+  EXPECT_EQ(Refusal([&] { ResultsStore::OpenToRead(temporary_.path(), StoreChecks::kRows); }), "");
+}
+
+TEST_F(StoreCheck, DoubledRowsAreRefusedBeforeTheyAreCopied) {
+  struct {
+    std::string table, message;
+  } const cases[] = {
+      {"bands", "the numbers in column 'band' of its trial have a gap"},
+      {"timings", "another row has the same trial, stage"},
+      {"instances", "another row has the same trial, attempt, instance"},
+      {"rejections", "another row has the same trial, attempt, cause"},
+      {"hypothesis_metrics", "another row has the same trial, attempt, hypothesis, metric"},
+  };
+  const auto error = [&] {
+    return Refusal([&] { ResultsStore::OpenToRead(temporary_.path(), StoreChecks::kRows); });
+  };
+  for (const auto& test : cases) {
+    Edit(fmt::format("INSERT INTO {0} SELECT * FROM {0} WHERE rowid = 1", test.table));
+    EXPECT_THAT(error(), HasSubstr(fmt::format("table '{}', row ", test.table)));
+    EXPECT_THAT(error(), HasSubstr(test.message));
+    Edit(fmt::format("DELETE FROM {0} WHERE rowid = (SELECT max(rowid) FROM {0})", test.table));
+    EXPECT_EQ(error(), "");
+  }
+  Edit("UPDATE timings SET stage = 'lunch' WHERE rowid = 3");
+  EXPECT_THAT(error(), HasSubstr("table 'timings', trial 1: column 'stage': 'lunch' is no stage"));
+  Edit("UPDATE timings SET seconds = -2 WHERE rowid = 5");
+  EXPECT_THAT(error(), HasSubstr("table 'timings', row 5: its duration is negative"));
 }
 
 // A damaged page that SQLite does not notice when it reads the rows.
