@@ -3,6 +3,7 @@
 // Texts of files in messages. Files of others can hold anything, and a message has one line.
 
 #include <string>
+#include <string_view>
 
 namespace pickbed::scenes {
 
@@ -10,7 +11,11 @@ namespace pickbed::scenes {
 // cut.
 std::string OneLine(const std::string& text);
 
-// Returns the text with control characters as \x1b and so on. A terminal would obey them.
+// Returns whether the text is valid UTF-8 (RFC 3629, section 4).
+bool IsUtf8(std::string_view text);
+
+// Returns the text with control characters as \x1b and so on. A terminal would obey them. All bytes
+// over 0x7f of a text that is not UTF-8 are shown so, too.
 std::string Printable(const std::string& text);
 
 }  // namespace pickbed::scenes

@@ -2,35 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cstdint>
-#include <string_view>
-
 #include "scenes/base/error.h"
 #include "scenes/base/message_text.h"
 
 namespace pickbed::scenes {
 namespace {
-
-// Whether the text is valid UTF-8 (RFC 3629, section 4).
-bool IsUtf8(std::string_view text) {
-  for (size_t at = 0; at < text.size();) {
-    const auto first = static_cast<unsigned char>(text[at++]);
-    if (first < 0x80) continue;
-    const int more = first >= 0xf0 ? 3 : first >= 0xe0 ? 2 : 1;
-    if (first < 0xc2 || first > 0xf4) return false;
-    uint32_t code = first & (0x3fu >> more);
-    for (int i = 0; i < more; ++i) {
-      if (at == text.size()) return false;
-      const auto next = static_cast<unsigned char>(text[at++]);
-      if ((next & 0xc0) != 0x80) return false;
-      code = code << 6 | (next & 0x3fu);
-    }
-    constexpr uint32_t kFewest[] = {0, 0x80, 0x800, 0x10000};
-    const bool is_surrogate = code >= 0xd800 && code < 0xe000;
-    if (code < kFewest[more] || code > 0x10ffff || is_surrogate) return false;
-  }
-  return true;
-}
 
 // Counts nodes as a reader visits them, which follows aliases.
 void Count(const YAML::Node& node, const std::string& source, int depth, int& nodes) {

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <numeric>
 
+#include "scenes/base/message_text.h"
+
 namespace pickbed::scenes {
 namespace {
 
@@ -44,7 +46,7 @@ class ValueReader {
     if (head < kFixMap) return Integer(head);
     if (head < kFixArray) return ReadMap(head & 0x0f, depth);
     if (head < kFixStr) return ReadList(head & 0x0f, depth);
-    if (head < kNil) return Value(Text(head & 0x1f));
+    if (head < kNil) return Value(Utf8Text(head & 0x1f));
     if (head >= kNegativeFix) return Integer(static_cast<int8_t>(head));
     if (head >= kUint8 && head <= kUint64) return Unsigned(BigEndian(1 << (head - kUint8)));
     if (head >= kInt8 && head <= kInt64) return Signed(1 << (head - kInt8));
@@ -61,11 +63,11 @@ class ValueReader {
       case kBin8:
       case kBin16:
       case kBin32:
-        return Value(MessageValue::Binary{Text(BigEndian(1 << (head - kBin8)))});
+        return Value(MessageValue::Binary{Bytes(BigEndian(1 << (head - kBin8)))});
       case kStr8:
       case kStr16:
       case kStr32:
-        return Value(Text(BigEndian(1 << (head - kStr8))));
+        return Value(Utf8Text(BigEndian(1 << (head - kStr8))));
       case kArray16:
       case kArray32:
         return ReadList(BigEndian(head == kArray16 ? 2 : 4), depth);
@@ -113,7 +115,16 @@ class ValueReader {
     return Value(std::move(map));
   }
 
-  std::string Text(uint64_t size) {
+  std::string Utf8Text(uint64_t size) {
+    std::string text = Bytes(size);
+    if (!IsUtf8(text)) {
+      throw MessageError(
+          fmt::format("has a key or text that is not UTF-8: '{}'", Printable(OneLine(text))));
+    }
+    return text;
+  }
+
+  std::string Bytes(uint64_t size) {
     RequireItems(size);
     std::string text(reinterpret_cast<const char*>(bytes_.data()) + position_, size);
     position_ += size;

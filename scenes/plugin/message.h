@@ -108,7 +108,8 @@ inline constexpr size_t kMaxMessageValues = 2000000;
 inline constexpr int kMaxMessageDepth = 32;
 
 // Reads a message. Throws MessageError for other bytes than one MessagePack value, for keys that
-// are no texts, for extension types, and beyond the limits above.
+// are no texts, for keys and texts that are not UTF-8, for extension types, and beyond the limits
+// above.
 MessageValue ReadMessageValue(std::span<const std::byte> bytes);
 
 }  // namespace pickbed::scenes

@@ -83,7 +83,7 @@ std::vector<std::string> NeedsIn(const MessageValue& hello) {
   return needs;
 }
 
-std::string OneLine(std::string text) {
+std::string JoinedLines(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
 }
@@ -123,7 +123,7 @@ void PluginClient::First(void (PluginClient::*start)()) {
   } catch (const PluginError& error) {
     const std::string log =
         log_file().empty() ? "" : fmt::format("; its log is {}", log_file().string());
-    throw InputError(fmt::format("'{}' {}{}", address_.InWords(), OneLine(error.what()), log));
+    throw InputError(fmt::format("'{}' {}{}", address_.InWords(), JoinedLines(error.what()), log));
   }
 }
 
@@ -267,7 +267,8 @@ MessageValue PluginClient::Exchange(const MessageWriter& request, double limit_s
     if (error == nullptr) return answer;
     const MessageValue* traceback = answer.Find("traceback");
     throw PluginError(
-        PluginFault::kReported, fmt::format("reported an error: {}", OneLine(error->Text("error"))),
+        PluginFault::kReported,
+        fmt::format("reported an error: {}", JoinedLines(error->Text("error"))),
         traceback == nullptr ? std::vector<std::string>() : Lines(traceback->Text("traceback")));
   } catch (const MessageError& error) {
     Stop(std::chrono::milliseconds(0));

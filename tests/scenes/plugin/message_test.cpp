@@ -198,6 +198,25 @@ TEST(Message, CountsThatPromiseTooMuchAllocateNothing) {
   EXPECT_THAT(FaultOf([] { Read(Text({0x81, 1, 1})); }), HasSubstr("a key must be a text"));
 }
 
+// Binary data may have any bytes.
+TEST(Message, KeysAndTextsThatAreNotUtf8AreRefusedInOneLine) {
+  const std::string umlaut = Text({0x81, 0xa2, 0xc3, 0xb6, 0xa2, 0xc3, 0xb6});
+  EXPECT_EQ(Read(umlaut).At("\xc3\xb6").Text(""), "\xc3\xb6");
+  EXPECT_EQ(Read(Text({0xc4, 1, 0xff})).binary()->bytes, "\xff");
+  EXPECT_EQ(FaultOf([] {
+              Read(Text({0x81, 0xa3}) + "R\n\xff" + Text({1}));
+            }),
+            "has a key or text that is not UTF-8: 'R \\xff'");
+  EXPECT_THAT(FaultOf([] {
+                Read(Text({0x81, 0xd9, 2}) + "\xc3(" + Text({1}));
+              }),
+              HasSubstr("is not UTF-8: '\\xc3('"));
+  EXPECT_THAT(FaultOf([] {
+                Read(Text({0x81, 0xa1}) + "R" + Text({0xa1, 0x80}));
+              }),
+              HasSubstr("is not UTF-8: '\\x80'"));
+}
+
 TEST(Message, MissingKeysAndWrongKindsAreNamed) {
   const MessageValue map = Read(Text({0x82, 0xa1}) + "a" + Text({1, 0xa1}) + "n" + Text({0xc0}));
   EXPECT_EQ(map.Find("n"), nullptr) << "nil counts as missing";
