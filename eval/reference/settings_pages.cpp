@@ -114,7 +114,8 @@ SettingsPage FileSettings() {
         RowsOf(BinSpec())},
        {"Sensor file",
         "`sensor: NAME` in a scenario reads `assets/sensors/NAME.yaml`, or a file. The default of "
-        "a key disables its effect.",
+        "a key disables its effect. `min_range_m`, `max_range_m` and `quantization_m` must be "
+        "given.",
         RowsOf(SensorProfile())},
        {"Calibration file",
         "`pickbed calibrate` writes it. `estimator.calibration` in a scenario names it.",

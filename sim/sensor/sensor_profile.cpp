@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
 #include "scenes/base/error.h"
@@ -66,6 +67,18 @@ void CheckProfile(const SensorProfile& p, const std::string& file) {
   CheckInput(p.dark_luma < p.shiny_luma,
              fmt::format("{}: dark_luma {} must be less than shiny_luma {}", file, p.dark_luma,
                          p.shiny_luma));
+}
+
+// Every data sheet has range and step of the readings, and the step is last in the files of
+// pickbed. So a file that is cut at the end of a line lacks it, and is not taken for a sensor
+// without steps.
+void CheckKeys(const KeyPlaces& given, const std::string& file) {
+  for (const char* key : {"min_range_m", "max_range_m", "quantization_m"}) {
+    CheckInput(given.contains(key),
+               fmt::format("{}: {} is missing, which every sensor needs; is the file complete? Add "
+                           "the key, with {} if the sensor has no such limit",
+                           file, key, key == std::string_view("max_range_m") ? 100 : 0));
+  }
 }
 
 }  // namespace
@@ -187,8 +200,9 @@ std::vector<std::string> SensorProfileNames() {
 SensorProfile LoadSensorProfile(const std::string& name_or_path) {
   const fs::path path = ProfilePath(name_or_path);
   SensorProfile profile;
-  ReadSettingsFile(path, [&](SettingsVisitor& v) { profile.Visit(v); });
+  const KeyPlaces given = ReadSettingsFile(path, [&](SettingsVisitor& v) { profile.Visit(v); });
   CheckProfile(profile, path.string());
+  CheckKeys(given, path.string());
   return profile;
 }
 

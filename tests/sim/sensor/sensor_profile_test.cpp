@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "scenes/base/error.h"
+#include "scenes/base/files.h"
 #include "scenes/objects/object_catalog.h"
 #include "tests/support/temporary_folder.h"
 
@@ -120,6 +121,35 @@ TEST(SensorProfile, InvalidInputIsRefusedWithAReason) {
   }
   EXPECT_THAT(refusal("baseline_m: 2"), HasSubstr("baseline_m"));
   EXPECT_THAT(refusal("sensor_x_m: -2"), HasSubstr("sensor_x_m"));
+}
+
+// Only within the last number a cut leaves a file that is complete.
+TEST(SensorProfile, AFileThatIsCutIsRefused) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "cut.yaml").string();
+  for (const std::string& name : SensorProfileNames()) {
+    const std::string text = ReadFileText(AssetsDir() / "sensors" / (name + ".yaml"));
+    const size_t value = text.rfind(": ") + 2;
+    for (size_t size = 0; size <= value; ++size) {
+      std::ofstream(path) << text.substr(0, size);
+      EXPECT_THROW(LoadSensorProfile(path), InputError) << name << " of " << size << " bytes";
+    }
+    std::ofstream(path) << text.substr(0, text.rfind('\n'));  // without a last line break
+    EXPECT_NO_THROW(LoadSensorProfile(path)) << name;
+  }
+}
+
+TEST(SensorProfile, AMissingKeyIsNamed) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "part.yaml").string();
+  std::ofstream(path) << "name: part\nmin_range_m: 0.2\nmax_range_m: 2\nedge_dropout: 0.1\n";
+  try {
+    LoadSensorProfile(path);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("part.yaml: quantization_m is missing"),
+                                    testing::Not(HasSubstr("\n"))));
+  }
 }
 
 }  // namespace
