@@ -200,6 +200,13 @@ TEST(CompletionFile, RefusesMissingDamagedNewerAndOlderFilesInOneLine) {
   std::string damaged = good;
   damaged[damaged.size() / 2] ^= 1;
   EXPECT_THAT(error_of(damaged), HasSubstr("check sum is wrong"));
+  BlockReader blocks(good, "PICKCOMP", 2, "a completion model");
+  BlockWriter longer;
+  while (!blocks.IsAtEnd()) longer.Put(blocks.Take());
+  EXPECT_EQ(error_of(longer.Bytes("PICKCOMP", 2)), "");
+  longer.Put("a block that nothing reads");
+  EXPECT_THAT(error_of(longer.Bytes("PICKCOMP", 2)), HasSubstr("longer than its blocks"));
+  EXPECT_THAT(error_of(good + "x"), HasSubstr("check sum is wrong"));
   std::string newer = good;
   newer[8] = 9;  // the version follows the 8 bytes of the magic
   EXPECT_THAT(error_of(newer), HasSubstr("version 9, newer than this program"));
