@@ -17,7 +17,6 @@ double SuccessChance::Of(const GraspMeasures& grasp) const {
                hidden * std::min(1.0, grasp.hidden_m / full_hidden_m);
   }
   log_odds -= covered * grasp.covered;
-  log_odds -= width_per_m * std::max(0.0, grasp.width_m - narrow_m);
   log_odds -= center_offset_per_m * grasp.center_offset_m;
   return Logistic(log_odds);
 }
@@ -38,9 +37,6 @@ void SuccessChance::Visit(SettingsVisitor& v) {
   v.Real("full_hidden_m", full_hidden_m, length,
          "mean depth of the fingers in hidden space at which the loss is full, m");
   v.Real("covered", covered, loss, "loss of log odds of a segment that others cover all around");
-  v.Real("width_per_m", width_per_m, per_m,
-         "loss of log odds for each metre between the contacts of a jaw over narrow_m");
-  v.Real("narrow_m", narrow_m, length, "width up to which there is no such loss, m");
   v.Real("center_offset_per_m", center_offset_per_m, per_m,
          "loss of log odds for each metre from the closing line to the center of the segment");
 }

@@ -28,20 +28,18 @@ struct GraspMeasures {
 
 // Coefficients of the log odds of success.
 struct SuccessChance {
-  double suction = 1.5;         // of a suction cup with score 1
-  double suction_score = 1;     // for each unit of the natural logarithm of its score
-  double observed = 3.6;        // of a jaw on the observed surface with score 1
-  double observed_score = 0.6;  // for each unit of the natural logarithm of its score
-  double completed = 3.5;       // of a jaw on a completed shape
+  double suction = 1.5;          // of a suction cup with score 1
+  double suction_score = 1;      // for each unit of the natural logarithm of its score
+  double observed = 2.95;        // of a jaw on the observed surface with score 1
+  double observed_score = 0.86;  // for each unit of the natural logarithm of its score
+  double completed = 2.71;       // of a jaw on a completed shape
   double thin = 4.0;            // loss of a completed shape without thickness, which may be thicker
   double full_width_m = 0.012;  // thickness from which there is no loss
-  double hidden = 2.2;          // loss of fingers that enter hidden space by full_hidden_m or more
+  double hidden = 0.85;         // loss of fingers that enter hidden space by full_hidden_m or more
   double full_hidden_m = 0.01;
   // Losses of all jaws.
-  double covered = 7.0;             // of a segment that others cover all around
-  double width_per_m = 30;          // for each metre between the contacts over narrow_m
-  double narrow_m = 0.02;           // width up to which there is no loss
-  double center_offset_per_m = 29;  // for each metre of GraspMeasures::center_offset_m
+  double covered = 3.57;            // of a segment that others cover all around
+  double center_offset_per_m = 31;  // for each metre of GraspMeasures::center_offset_m
 
   // Returns the chance of success, 0..1.
   double Of(const GraspMeasures& grasp) const;
