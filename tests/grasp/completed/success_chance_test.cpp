@@ -37,12 +37,12 @@ TEST(SuccessChance, ThinShapesAndHiddenFingersLoseChance) {
 TEST(SuccessChance, CoveredAndOffCenterGraspsLoseChanceOnBothSurfaces) {
   const SuccessChance chance;
   for (const GraspedSurface surface : {GraspedSurface::kCompleted, GraspedSurface::kObserved}) {
-    const auto log_odds = [&](double width_m, double covered, double center_offset_m) {
-      return LogOdds(chance.Of({surface, false, 0.5, width_m, 0, covered, center_offset_m}));
+    const auto log_odds = [&](double covered, double center_offset_m) {
+      return LogOdds(chance.Of({surface, false, 0.5, 0.015, 0, covered, center_offset_m}));
     };
-    const double best = log_odds(0.015, 0, 0);
-    EXPECT_NEAR(best - log_odds(0.015, 0.2, 0), 0.2 * chance.covered, 1e-9);
-    EXPECT_NEAR(best - log_odds(0.015, 0, 0.03), 0.03 * chance.center_offset_per_m, 1e-9);
+    const double best = log_odds(0, 0);
+    EXPECT_NEAR(best - log_odds(0.2, 0), 0.2 * chance.covered, 1e-9);
+    EXPECT_NEAR(best - log_odds(0, 0.03), 0.03 * chance.center_offset_per_m, 1e-9);
   }
 }
 
