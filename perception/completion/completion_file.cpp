@@ -32,7 +32,7 @@ CompletionModel Parse(std::string_view bytes, const std::string& name, const std
   ReadSettingsText(text, name, [&](SettingsVisitor& v) { info.Visit(v); });
   const std::vector<uint16_t> halves = reader.TakeAll<uint16_t>();
   const std::vector<float> statistics = reader.TakeAll<float>();
-  CheckInput(reader.IsAtEnd(), "the file is damaged: it is longer than its blocks");
+  reader.RequireEnd();
   std::vector<float> weights(halves.size());
   for (size_t i = 0; i < halves.size(); ++i) weights[i] = FromHalf(halves[i]);
   const auto is_finite = [](float value) { return std::isfinite(value); };

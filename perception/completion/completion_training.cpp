@@ -370,6 +370,7 @@ CompletionCheckpoint ReadCompletionCheckpoint(const std::filesystem::path& file,
     checkpoint.loss_history = reader.TakeAll<double>();
     checkpoint.measurements = reader.TakeAll<CompletionMeasurement>();
     checkpoint.training_state = reader.Take();
+    reader.RequireEnd();
   } catch (const InputError& error) {
     throw InputError(
         fmt::format("{}: {}; delete it and start the training again", file.string(), error.what()));

@@ -77,6 +77,7 @@ std::optional<ObjectCodes> CodesFromBytes(std::string_view content, uint64_t key
   codes.length = lengths[0];
   codes.descriptors = reader.TakeAll<float>();
   const std::vector<float> poses = reader.TakeAll<float>();
+  reader.RequireEnd();
   const size_t entries = poses.size() / kValuesOfPose;
   CheckInput(poses.size() == entries * kValuesOfPose &&
                  codes.descriptors.size() == entries * static_cast<size_t>(codes.length),

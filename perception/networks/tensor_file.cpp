@@ -110,7 +110,7 @@ TensorFile TensorFile::Parse(std::string_view bytes, const std::string& kind, in
   for (const EntryHead& head : header.entries) {
     file.Add(head.name, {head.type, ShapeFrom(head.shape), std::string(reader.Take())});
   }
-  CheckInput(reader.IsAtEnd(), "the file is damaged: it is longer than its header says");
+  reader.RequireEnd();
   return file;
 }
 

@@ -166,11 +166,14 @@ std::optional<VolumeBook> ReadVolumeBook(const std::filesystem::path& file, uint
     BlockReader reader(content, kMagic, kVersion, "a codebook of volumes");
     if (reader.TakeAll<uint64_t>() != std::vector{key}) return std::nullopt;
     VolumeBook book;
-    book.side_m = reader.TakeAll<double>().at(0);
+    const std::vector<double> sides_m = reader.TakeAll<double>();
+    CheckInput(sides_m.size() == 1, "its head is damaged");
+    book.side_m = sides_m[0];
     for (const uint8_t value : reader.TakeAll<uint8_t>()) {
       book.values.push_back(static_cast<float>(value) / 255);
     }
     const std::vector<double> poses = reader.TakeAll<double>();
+    reader.RequireEnd();
     for (size_t i = 0; i + 16 <= poses.size(); i += 16) {
       Pose X_FO;
       X_FO.matrix() = Eigen::Map<const Eigen::Matrix4d>(poses.data() + i);

@@ -76,6 +76,7 @@ Checkpoint Parse(std::string_view bytes) {
   checkpoint.recall_history = RecallsFrom(reader.TakeAll<double>());
   checkpoint.training_state = reader.Take();
   checkpoint.verifiers = TakeVerifiers(reader);
+  reader.RequireEnd();
   return checkpoint;
 }
 

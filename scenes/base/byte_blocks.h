@@ -42,6 +42,10 @@ class BlockReader {
   explicit BlockReader(std::string_view body) : rest_(body) {}
   std::string_view Take();
   bool IsAtEnd() const { return rest_.empty(); }
+  // Throws if bytes follow the last block that was taken.
+  void RequireEnd() const {
+    CheckInput(IsAtEnd(), "the file is damaged: it is longer than its blocks");
+  }
   template <typename Value>
   std::vector<Value> TakeAll() {
     const std::string_view block = Take();

@@ -48,7 +48,10 @@ std::optional<std::string> ReadCacheFile(const std::filesystem::path& file) {
   }
   try {
     const std::string bytes = ReadFileBytes(file);
-    return std::string(BlockReader(bytes, kMagic, kVersion, "a file of the cache").Take());
+    BlockReader reader(bytes, kMagic, kVersion, "a file of the cache");
+    const std::string content(reader.Take());
+    reader.RequireEnd();
+    return content;
   } catch (const InputError& fault) {
     ReportDamagedCacheFile(file, fault.what());
     return std::nullopt;

@@ -70,6 +70,7 @@ TriangleMesh MeshFromBytes(std::string_view bytes) {
   const std::vector<Rgb8> base = reader.TakeAll<Rgb8>();
   const std::vector<int> size = reader.TakeAll<int>();
   const std::vector<Rgb8> texels = reader.TakeAll<Rgb8>();
+  reader.RequireEnd();
   CheckInput(base.size() == 1 && size.size() == 2 && size[0] >= 0 && size[1] >= 0 &&
                  static_cast<int64_t>(size[0]) * size[1] == static_cast<int64_t>(texels.size()),
              "the colours of a mesh are damaged");

@@ -69,6 +69,7 @@ std::optional<ImportedMesh> FromBytes(std::string_view bytes) {
   CheckInput(report.size() == 2, "its report is damaged");
   imported.report = {report[0], report[1] != 0};
   imported.mesh = MeshFromBytes(reader.Take());
+  reader.RequireEnd();
   return imported;
 }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "eval/bop/check_dataset.h"
 #include "eval/bop/dataset_scores.h"
@@ -28,6 +27,7 @@
 #include "sim/sensor/sensor_profile.h"
 #include "tests/eval/bop_small_dataset.h"
 #include "tests/fuzz/store_targets.h"
+#include "tests/support/block_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
@@ -196,16 +196,6 @@ FuzzTarget BopTarget(const std::string& name, const std::string& file) {
 }
 
 // ---- Models ----
-
-constexpr size_t kBlockHead = 24, kHashAt = 16;  // magic, version, check sum
-
-// Gives a mutated file a right check sum, so that the code behind the check is reached.
-std::string WithRightHash(std::string bytes) {
-  if (bytes.size() < kBlockHead) return bytes;
-  const uint64_t hash = HashBytes(bytes.data() + kBlockHead, bytes.size() - kBlockHead);
-  std::memcpy(bytes.data() + kHashAt, &hash, sizeof hash);
-  return bytes;
-}
 
 template <typename Read>
 FuzzTarget ModelTarget(const std::string& name, const std::string& asset, Read read) {

@@ -8,15 +8,18 @@
 #include "perception/completion/completion_file.h"
 #include "perception/completion/completion_network.h"
 #include "perception/completion/sample_stream.h"
-#include "scenes/base/byte_blocks.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "tests/perception/completion/solid_views.h"
+#include "tests/support/block_file.h"
+#include "tests/support/error_of.h"
 
 namespace pickbed::perception {
 namespace {
 
 using ::testing::HasSubstr;
+using tests::ErrorOf;
+using tests::WithRightHash;
 
 std::filesystem::path TestFile(const std::string& name) {
   const auto folder = std::filesystem::path(::testing::TempDir()) / "completion_training";
@@ -200,12 +203,8 @@ TEST(CompletionFile, RefusesMissingDamagedNewerAndOlderFilesInOneLine) {
   std::string damaged = good;
   damaged[damaged.size() / 2] ^= 1;
   EXPECT_THAT(error_of(damaged), HasSubstr("check sum is wrong"));
-  BlockReader blocks(good, "PICKCOMP", 2, "a completion model");
-  BlockWriter longer;
-  while (!blocks.IsAtEnd()) longer.Put(blocks.Take());
-  EXPECT_EQ(error_of(longer.Bytes("PICKCOMP", 2)), "");
-  longer.Put("a block that nothing reads");
-  EXPECT_THAT(error_of(longer.Bytes("PICKCOMP", 2)), HasSubstr("longer than its blocks"));
+  EXPECT_EQ(error_of(WithRightHash(good)), "");
+  EXPECT_THAT(error_of(WithRightHash(good + "x")), HasSubstr("longer than its blocks"));
   EXPECT_THAT(error_of(good + "x"), HasSubstr("check sum is wrong"));
   std::string newer = good;
   newer[8] = 9;  // the version follows the 8 bytes of the magic
@@ -287,6 +286,22 @@ TEST(CompletionTraining, RefusesACheckpointOfOtherSettings) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("training with other settings"));
   }
+}
+
+TEST(CompletionTraining, RefusesACheckpointThatIsLongerThanItsBlocks) {
+  const std::filesystem::path file = TestFile("longer.checkpoint");
+  CompletionCheckpoint checkpoint;
+  checkpoint.key = "key";
+  checkpoint.step = 3;
+  WriteCompletionCheckpoint(file, checkpoint);
+  const std::string bytes = ReadFileBytes(file);
+  WriteFileAtomically(file, WithRightHash(bytes));
+  EXPECT_EQ(ReadCompletionCheckpoint(file, "key").step, 3);
+  WriteFileAtomically(file, WithRightHash(bytes + "x"));
+  EXPECT_EQ(ErrorOf([&] { ReadCompletionCheckpoint(file, "key"); }),
+            file.string() +
+                ": the file is damaged: it is longer than its blocks; delete it and "
+                "start the training again");
 }
 
 }  // namespace

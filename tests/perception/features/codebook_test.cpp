@@ -147,7 +147,7 @@ TEST(CodebookContent, RoundTripKeepsTheCodebook) {
   EXPECT_EQ(read->X_PO, codes.X_PO);
 }
 
-TEST(CodebookContent, CutContentAndListsOfOtherSizesAreRefused) {
+TEST(CodebookContent, CutAndLongerContentAndListsOfOtherSizesAreRefused) {
   RayCastViews views(Brackets());
   ObjectCodes codes = SmallBook(views, 2);
   const std::string content = CodesToBytes(codes, 42);
@@ -155,6 +155,7 @@ TEST(CodebookContent, CutContentAndListsOfOtherSizesAreRefused) {
   for (size_t size = 0; size < content.size(); ++size) {
     EXPECT_THROW(CodesFromBytes(content.substr(0, size), 42), InputError) << "cut to " << size;
   }
+  EXPECT_THROW(CodesFromBytes(content + "x", 42), InputError);
   codes.X_PO.pop_back();
   EXPECT_THROW(CodesFromBytes(CodesToBytes(codes, 42), 42), InputError);
   codes.length = 0;

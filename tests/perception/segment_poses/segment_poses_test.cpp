@@ -8,9 +8,11 @@
 #include "perception/model/pose_distance.h"
 #include "perception/segment_poses/volume_codebook.h"
 #include "perception/segment_poses/volume_descriptor.h"
+#include "scenes/base/byte_blocks.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "tests/perception/completion/solid_views.h"
+#include "tests/support/block_file.h"
 #include "tests/support/error_of.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
@@ -137,6 +139,14 @@ TEST(VolumeCodebook, IsReadAsWrittenAndNotWithAnotherKey) {
   EXPECT_EQ(read->X_FO[1].matrix(), book.X_FO[1].matrix());
   EXPECT_FALSE(ReadVolumeBook(file, 6));
   std::string bytes = ReadFileBytes(file);
+  WriteFileAtomically(file, WithRightHash(bytes + "x"));
+  EXPECT_FALSE(ReadVolumeBook(file, 5));
+  BlockReader reader(bytes, "PICKVOLB", 1, "a codebook");
+  BlockWriter without_side;
+  without_side.Put(reader.Take());
+  without_side.Put("");
+  WriteFileAtomically(file, without_side.Bytes("PICKVOLB", 1));
+  EXPECT_FALSE(ReadVolumeBook(file, 5));
   bytes[bytes.size() / 2] ^= 1;
   WriteFileAtomically(file, bytes);
   EXPECT_FALSE(ReadVolumeBook(file, 5));

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/block_file.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
@@ -53,6 +55,23 @@ TEST(Checkpoint, RoundTripKeepsAllFields) {
                 saved.verifiers[i].verifier.Score(features, mode));
     }
   }
+}
+
+TEST(Checkpoint, AFileThatIsLongerThanItsBlocksIsRefused) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "c";
+  Checkpoint checkpoint;
+  checkpoint.key = "key";
+  checkpoint.iteration = 3;
+  WriteCheckpoint(file, checkpoint);
+  const std::string bytes = ReadFileBytes(file);
+  WriteFileAtomically(file, WithRightHash(bytes));
+  EXPECT_EQ(ReadCheckpoint(file, "key").iteration, 3);
+  WriteFileAtomically(file, WithRightHash(bytes + "x"));
+  EXPECT_EQ(ErrorOf([&] { ReadCheckpoint(file, "key"); }),
+            file.string() +
+                ": the file is damaged: it is longer than its blocks; delete it and "
+                "start the training again");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/block_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
@@ -73,6 +74,16 @@ TEST_F(CacheFile, EveryFlippedBitAndEveryCutIsNoticedAndRepaired) {
   ASSERT_FALSE(lines_.empty());
   EXPECT_THAT(lines_.front(), HasSubstr("n.txt: the file is cut short"));
   EXPECT_THAT(lines_.front(), HasSubstr("it is made again"));
+}
+
+TEST_F(CacheFile, BytesAfterTheEndAreNoticed) {
+  Number();
+  const std::string bytes = ReadFileBytes(file_);
+  WriteFileAtomically(file_, WithRightHash(bytes));
+  EXPECT_TRUE(ReadCacheFile(file_).has_value());
+  WriteFileAtomically(file_, WithRightHash(bytes + "x"));
+  EXPECT_FALSE(ReadCacheFile(file_).has_value());
+  EXPECT_THAT(lines_.back(), HasSubstr("it is longer than its blocks"));
 }
 
 TEST_F(CacheFile, ContentOfAnotherFormIsReportedAndOldContentIsNot) {

@@ -55,8 +55,9 @@ TEST(MeshBytes, InconsistentMeshesAreRefused) {
   EXPECT_THAT(error_of(mesh), HasSubstr("do not fit the vertices"));
 }
 
-TEST(MeshBytes, EveryCutIsRefused) {
+TEST(MeshBytes, EveryCutAndBytesAfterTheEndAreRefused) {
   const std::string bytes = MeshToBytes(Example());
+  EXPECT_NE(ErrorOf([&] { MeshFromBytes(bytes + "x"); }), "no error");
   for (size_t size = 0; size < bytes.size(); ++size) {
     EXPECT_NE(ErrorOf([&] { MeshFromBytes(bytes.substr(0, size)); }), "no error") << size;
   }
