@@ -31,6 +31,7 @@ set(third_party
   "pcl/=>^perception/(icp/pcl_icp|cloud/normals)\\.cpp$"
   "flann/=>^(perception/features/neighbors|eval/metrics/vertex_tree)\\.cpp$"
   "lz4=>^perception/[a-z_]+/[a-z_]+\\.cpp$"
+  "pugixml=>^scenes/mesh_io/xml_elements\\.cpp$"
   "assimp/=>^scenes/mesh_io/(mesh_import|scene_export)\\.cpp$"
   "jpeglib=>^scenes/image/image_check\\.cpp$"
   "opencv2/=>^(scenes/image/(image_io|number_image)\\.cpp|eval/draw/[a-z_]+\\.(cpp|h)|perception/cloud/color_edges\\.cpp|perception/estimators/ppf_matcher\\.cpp|perception/crop_methods/(hog|linemod)\\.cpp)$"

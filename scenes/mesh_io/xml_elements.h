@@ -23,8 +23,8 @@ struct XmlElement {
 };
 
 // Returns the outermost element of an XML text. Entities such as &lt; stay as they are. Throws
-// InputError with the file and line if elements are not closed in order, are nested more than 100
-// deep, or if an attribute has no value.
+// InputError with the file and line if the text is no XML, if elements are nested more than 100
+// deep, or if an element has an attribute twice.
 XmlElement ReadXml(const std::filesystem::path& path, const std::string& text);
 
 }  // namespace pickbed::scenes

@@ -64,7 +64,8 @@ TEST(Collada, CountsAndNumbersAreChecked) {
       {"a geometry that is missing", DaeWith("url=\"#g\"", "url=\"#h\""),
        "the geometry '#h', which the file does not have"},
       {"a unit that is none", DaeWith("meter=\"1\"", "meter=\"-1\""), "'-1' for meter"},
-      {"an element that is not closed", DaeWith("</library_effects>", ""), "closes the element"},
+      {"an element that is not closed", DaeWith("</library_effects>", ""),
+       "Start-end tags mismatch"},
       {"another format", "<html></html>", "is no begin of a COLLADA file"},
   };
   for (const auto& test : cases) {

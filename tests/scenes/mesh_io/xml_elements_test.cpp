@@ -32,20 +32,24 @@ TEST(ReadXml, BrokenTextsAreRefusedWithFileAndLine) {
     std::string text, message;
   } const cases[] = {
       {"", "it has no element"},
-      {"<?xml", "line 1 has no ?> for its <?"},
-      {"<a>\n<b></a>", "line 2 closes the element 'a', which is not open there"},
-      {"<a></a></a>", "closes the element 'a'"},
-      {"<a>\n<b>", "it ends within its element 'b' of line 2"},
-      {"<a", "has an attribute of 'a' without a value"},
-      {"<a b>", "has an attribute of 'a' without a value"},
-      {"<a b=1/>", "has an attribute of 'a' without a value"},
-      {"<a b='1/>", "has a value without its end"},
-      {"<a b='1' b='2'/>", "has the attribute 'b' twice"},
-      {"<a / >", "has a broken tag 'a'"},
-      {"< a/>", "has a tag without a name"},
-      {"<a/><b/>", "has an element after the end"},
-      {"<a/>x", "has text outside of the outermost element"},
-      {"<a><!-- </a>", "has no --> for its <!--"},
+      {"<!-- <a/> -->", "it has no element"},
+      {"<?xml", "line 1 cannot be read: Error parsing document declaration"},
+      {"<a>\n<b></a>", "line 2 cannot be read: Start-end tags mismatch"},
+      {"<a></a></a>", "Start-end tags mismatch"},
+      {"<a>\n<b>", "line 2 cannot be read: Start-end tags mismatch"},
+      {"<a", "Error parsing start element tag"},
+      {"<a b>", "Error parsing element attribute"},
+      {"<a b=1/>", "Error parsing element attribute"},
+      {"<a b='1/>", "Error parsing element attribute"},
+      {"<a>\n<b c='1' c='2'/></a>", "line 2 has the attribute 'c' twice"},
+      {"<a / >", "Error parsing start element tag"},
+      {"< a/>", "Could not determine tag type"},
+      {"<a/>\n<b/>", "line 2 has an element after the end"},
+      {"<a/>\n\nx", "line 3 has text outside of the outermost element"},
+      {"x<a/>", "line 1 has text outside of the outermost element"},
+      {"<a><!-- </a>", "Error parsing comment"},
+      {std::string("<a>\n\0</a>", 9), "line 2 has a byte of value 0"},
+      {std::string("<a/>\0<b", 7), "line 1 has a byte of value 0"},
   };
   for (const auto& test : cases) {
     const std::string message = InputErrorOf([&] { ReadXml("x/a.dae", test.text); });
@@ -54,6 +58,7 @@ TEST(ReadXml, BrokenTextsAreRefusedWithFileAndLine) {
   }
   std::string deep;
   for (int i = 0; i < 100000; ++i) deep += "<a>";
+  for (int i = 0; i < 100000; ++i) deep += "</a>";
   EXPECT_THAT(InputErrorOf([&] { ReadXml("a.dae", deep); }), HasSubstr("more than 100 deep"));
 }
 
