@@ -401,9 +401,17 @@ std::vector<TrialResult> ResultsStore::Read(int first, int end) const {
   for (const RefusalRow& row : Select<RefusalRow>(db, "refusals", range)) {
     std::vector<RefusedScene>& refused = of("refusals", row.trial).refused;
     if (refused.empty() || refused.back().attempt != row.attempt) {
+      if (row.attempt != static_cast<int>(refused.size())) {
+        fail("refusals", row.trial, fmt::format("drop {} is not the next one", row.attempt));
+      }
       refused.push_back({row.attempt, {}});
     }
-    refused.back().faults.push_back(row.fault);
+    std::vector<std::string>& faults = refused.back().faults;
+    if (std::ranges::find(faults, row.fault) != faults.end()) {
+      fail("refusals", row.trial,
+           fmt::format("drop {} has the fault '{}' twice", row.attempt, OneLine(row.fault)));
+    }
+    faults.push_back(row.fault);
   }
   for (const BandRow& row : Select<BandRow>(db, "bands", range)) {
     std::vector<BandAccount>& bands = of("bands", row.trial).bands;

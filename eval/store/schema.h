@@ -65,6 +65,8 @@ struct AttemptRow {
   AttemptRecord record;
   bool executed = false;
   Grasp grasp;
+  // The states of physics that failed need not be finite.
+  bool MayLackNumbers() const { return record.outcome.failure == FailureReason::kPhysicsFailed; }
   template <typename V>
   void Visit(V&& v) {
     GraspOutcome& outcome = record.outcome;
@@ -143,8 +145,7 @@ struct HypothesisRow {
   }
 };
 
-// One metric of a hypothesis. The key is stored, so that a store can hold metrics that the program
-// does not know.
+// One metric of a hypothesis, by its key. A store can hold metrics that the program does not know.
 struct HypothesisMetricRow {
   int trial = 0, attempt = 0, hypothesis = 0;
   MetricValue value;
@@ -222,16 +223,15 @@ struct BandRow {
   BandAccount account;
   template <typename V>
   void Visit(V&& v) {
-    BlockerCounts& blockers = account.blockers;
     v("trial", trial);
     v("band", band);
     v("filled", account.filled);
     v("targets_given_up", account.given_up);
-    v("blockers", blockers.dropped);
-    v("blockers_kept", blockers.kept);
-    v("blockers_refused", blockers.refused);
-    v("blockers_jumped", blockers.jumped);
-    v("blockers_useless", blockers.useless);
+    v("blockers", account.blockers.dropped);
+    v("blockers_kept", account.blockers.kept);
+    v("blockers_refused", account.blockers.refused);
+    v("blockers_jumped", account.blockers.jumped);
+    v("blockers_useless", account.blockers.useless);
   }
 };
 

@@ -197,9 +197,7 @@ void Statement::Read(int column, bool& value) const {
 
 void Statement::Read(int column, double& value) const {
   const int type = sqlite3_column_type(statement_, column);
-  // SQLite stores NaN as NULL.
-  Require(type == SQLITE_FLOAT || type == SQLITE_INTEGER || type == SQLITE_NULL, column,
-          " is no number");
+  Require(type == SQLITE_FLOAT || type == SQLITE_INTEGER, column, " is no number");
   value = sqlite3_column_double(statement_, column);
 }
 
@@ -217,8 +215,13 @@ void Statement::Read(int column, std::string& value) const {
   if (sqlite3_column_type(statement_, column) == SQLITE_BLOB) {
     throw InputError("is a BLOB and no text");
   }
+  Require(!IsMissing(column), column, " is no text");
   const unsigned char* text = sqlite3_column_text(statement_, column);
   value = text == nullptr ? "" : reinterpret_cast<const char*>(text);
+}
+
+bool Statement::IsMissing(int column) const {
+  return sqlite3_column_type(statement_, column) == SQLITE_NULL;
 }
 
 void Statement::Read(int column, FailureReason& value) const {

@@ -7,6 +7,7 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <concepts>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -88,7 +89,7 @@ class Statement {
   void Bind(int column, const std::vector<int>& value);  // as JSON
 
   // Read a column of the present row. They throw InputError that says what is wrong with the value,
-  // but not where it is.
+  // but not where it is. A missing value is wrong.
   void Read(int column, int& value) const;
   void Read(int column, bool& value) const;
   void Read(int column, double& value) const;
@@ -97,6 +98,7 @@ class Statement {
   void Read(int column, FailureReason& value) const;
   void Read(int column, Pose& value) const;
   void Read(int column, std::vector<int>& value) const;
+  bool IsMissing(int column) const;
   template <typename Kind>
   void Read(int column, Id<Kind>& value) const {
     int number = 0;
@@ -141,7 +143,8 @@ std::vector<std::string> ColumnsOf() {
 }
 
 // Creates a missing table, and the columns that a table of an earlier version lacks. Existing rows
-// get the value of a default-constructed Row.
+// get the value of a default-constructed Row. They get it also for numbers and texts that are NULL,
+// for which earlier versions read it.
 template <typename Row>
 void RequireTable(const Database& db, const std::string& table) {
   std::vector<std::string> present;
@@ -156,10 +159,15 @@ void RequireTable(const Database& db, const std::string& table) {
     if (std::find(present.begin(), present.end(), name) == present.end()) missing[name] = type;
   });
   if (present.empty()) return db.Execute(fmt::format("CREATE TABLE {} ({})", table, all));
-  Row().Visit([&](const char* name, const auto& value) {
-    if (!missing.contains(name)) return;
-    db.Execute(fmt::format("ALTER TABLE {} ADD COLUMN {} {}", table, name, missing[name]));
-    Statement fill(db, fmt::format("UPDATE {} SET {} = ?", table, name));
+  Row().Visit([&]<typename T>(const char* name, const T& value) {
+    constexpr bool kHadDefault = !std::is_same_v<T, int> && !std::is_same_v<T, bool> && !kIsId<T> &&
+                                 !std::is_same_v<T, Pose>;
+    const bool is_new = missing.contains(name);
+    if (!is_new && !kHadDefault) return;
+    if (is_new) {
+      db.Execute(fmt::format("ALTER TABLE {} ADD COLUMN {} {}", table, name, missing[name]));
+    }
+    Statement fill(db, fmt::format("UPDATE {0} SET {1} = ? WHERE {1} IS NULL", table, name));
     fill.Bind(1, value);
     fill.Step();
   });
@@ -182,8 +190,14 @@ void Insert(const Database& db, const char* table, std::vector<Row> rows) {
   }
 }
 
-// Reads rows in the order of the result. `clause` is the SQL text after the table name. Throws
-// InputError for a value that is damaged.
+// A row that is stored without some of its numbers: SQLite stores NaN as NULL.
+template <typename Row>
+concept CanLackNumbers = requires(const Row& row) {
+  { row.MayLackNumbers() } -> std::same_as<bool>;
+};
+
+// Reads rows in the order of the result. `clause` is the SQL text after the table name. A number
+// that a row may lack keeps its default. Throws InputError for a value that is damaged or missing.
 template <typename Row, typename Use>
 void ForEachRow(const Database& db, const char* table, const std::string& clause, Use use) {
   std::string columns = "rowid";
@@ -194,9 +208,13 @@ void ForEachRow(const Database& db, const char* table, const std::string& clause
     int column = 0, number = 0;
     const char* at = "";
     try {
-      row.Visit([&](const char* name, auto& value) {
+      row.Visit([&]<typename T>(const char* name, T& value) {
         at = name;
-        statement.Read(++column, value);
+        ++column;
+        if constexpr (CanLackNumbers<Row> && std::is_same_v<T, double>) {
+          if (statement.IsMissing(column) && row.MayLackNumbers()) return;
+        }
+        statement.Read(column, value);
       });
     } catch (const InputError& error) {
       statement.Read(0, number);

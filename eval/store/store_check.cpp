@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "eval/store/schema_internal.h"
@@ -141,6 +143,13 @@ void CheckRows(const Database& db) {
   RequireUnique(db, "hypothesis_metrics", "trial, attempt, hypothesis, metric");
   RequireUnique(db, "instances", "trial, attempt, instance");
   RequireUnique(db, "rejections", "trial, attempt, cause");
+  RequireUnique(db, "instance_outcomes", "trial, instance, attempt");
+  RequireUnique(db, "refusals", "trial, attempt, fault");
+  // A refused scene has a row for each of its faults.
+  RequireNoRow(db, "refusals",
+               "SELECT min(rowid) FROM refusals GROUP BY trial HAVING min(attempt) <> 0 OR "
+               "max(attempt) <> count(DISTINCT attempt) - 1",
+               "the numbers in column 'attempt' of its trial have a gap");
   RequireNumbered(db, "bands", "trial", "band");
   RequireUnique(db, "timings", "trial, stage");
   RequireNoRow(db, "timings", "SELECT rowid FROM timings WHERE seconds < 0",
@@ -183,6 +192,13 @@ void CheckValues(const TrialResult& result) {
   };
   CheckInput(result.instances_dropped >= 0 && result.instances_cleared >= 0,
              "a number of instances is negative");
+  // The target of an occlusion trial has an outcome for each attempt.
+  std::set<std::pair<InstanceId, int>> decided;
+  for (const InstanceOutcome& outcome : result.outcomes) {
+    CheckInput(
+        decided.emplace(outcome.instance, outcome.attempt).second,
+        fmt::format("in table 'instance_outcomes', instance {} is there twice", outcome.instance));
+  }
   for (const AttemptRecord& attempt : result.attempts) {
     const auto check = [&](bool ok, const std::string& fault) {
       if (!ok) throw InputError(fmt::format("attempt {}: {}", attempt.attempt, fault));

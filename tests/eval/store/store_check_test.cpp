@@ -136,6 +136,26 @@ INSTANTIATE_TEST_SUITE_P(
                     "attempt 0: in table 'instances', instance 0 is there twice"},
         EditedStore{"INSERT INTO rejections SELECT * FROM rejections WHERE rowid = 1",
                     "table 'rejections', trial 0: attempt 0 has the cause 'collision' twice"},
+        EditedStore{"INSERT INTO refusals SELECT * FROM refusals WHERE rowid = 3",
+                    "table 'refusals', trial 0: drop 1 has the fault 'fell outside' twice"},
+        EditedStore{"INSERT INTO refusals SELECT * FROM refusals WHERE rowid = 1",
+                    "table 'refusals', trial 0: drop 0 is not the next one"},
+        EditedStore{"UPDATE refusals SET attempt = 7 WHERE rowid = 3",
+                    "table 'refusals', trial 0: drop 7 is not the next one"},
+        EditedStore{"INSERT INTO instance_outcomes SELECT * FROM instance_outcomes WHERE rowid = 2",
+                    "trial 0: in table 'instance_outcomes', instance 1 is there twice"},
+        EditedStore{"UPDATE attempts SET physical_failure = 'slipped', slip_m = NULL",
+                    "table 'attempts', row 1: column 'slip_m': 'NULL' is no number"},
+        EditedStore{"UPDATE hypotheses SET score = NULL WHERE rowid = 2",
+                    "table 'hypotheses', row 2: column 'score': 'NULL' is no number"},
+        EditedStore{"UPDATE hypothesis_metrics SET value = NULL WHERE rowid = 4",
+                    "table 'hypothesis_metrics', row 4: column 'value': 'NULL' is no number"},
+        EditedStore{"UPDATE instances SET visible_fraction = NULL WHERE rowid = 5",
+                    "table 'instances', row 5: column 'visible_fraction': 'NULL' is no number"},
+        EditedStore{"UPDATE trials SET simulated_s = NULL", "column 'simulated_s': 'NULL'"},
+        EditedStore{"UPDATE timings SET seconds = NULL", "column 'seconds': 'NULL' is no number"},
+        EditedStore{"UPDATE attempts SET failure = NULL", "column 'failure': 'NULL' is no text"},
+        EditedStore{"UPDATE rejections SET cause = NULL", "column 'cause': 'NULL' is no text"},
         EditedStore{
             "INSERT INTO hypothesis_metrics SELECT * FROM hypothesis_metrics WHERE rowid = 1",
             "has the metric 'mssd_m' of hypothesis 0 twice"},
@@ -159,6 +179,17 @@ TEST_F(StoreCheck, RowsAreCheckedTogetherBeforeTheyAreCopied) {
   EXPECT_THAT(error(), HasSubstr("table 'trials' has no such trial"));
 }
 
+// SQLite stores NaN as NULL.
+TEST_F(StoreCheck, AnAttemptWhosePhysicsFailedMayLackNumbers) {
+  Edit("UPDATE attempts SET physical_failure = 'physics_failed', slip_m = NULL WHERE rowid = 1");
+  EXPECT_EQ(ErrorAtReading(), "");
+  const std::vector<TrialResult> results = ResultsStore::OpenToRead(temporary_.path()).ReadAll();
+  EXPECT_EQ(results[0].attempts[0].outcome.slip_m, 0);
+  EXPECT_NE(results[0].attempts[1].outcome.slip_m, 0);
+  Edit("UPDATE attempts SET executed = NULL WHERE rowid = 1");
+  EXPECT_THAT(ErrorAtReading(), HasSubstr("column 'executed': 'NULL' is neither 0 nor 1"));
+}
+
 TEST_F(StoreCheck, StagesOfEstimatorsAndFormerNamesAreAccepted) {
   Edit(
       "INSERT INTO timings VALUES (0, 'estimate/of_another_estimator', 0), (0, 'not_finite/depth', "
@@ -176,6 +207,8 @@ TEST_F(StoreCheck, DoubledRowsAreRefusedBeforeTheyAreCopied) {
       {"timings", "another row has the same trial, stage"},
       {"instances", "another row has the same trial, attempt, instance"},
       {"rejections", "another row has the same trial, attempt, cause"},
+      {"refusals", "another row has the same trial, attempt, fault"},
+      {"instance_outcomes", "another row has the same trial, instance, attempt"},
       {"hypothesis_metrics", "another row has the same trial, attempt, hypothesis, metric"},
   };
   const auto error = [&] {
@@ -188,6 +221,10 @@ TEST_F(StoreCheck, DoubledRowsAreRefusedBeforeTheyAreCopied) {
     Edit(fmt::format("DELETE FROM {0} WHERE rowid = (SELECT max(rowid) FROM {0})", test.table));
     EXPECT_EQ(error(), "");
   }
+  Edit("UPDATE refusals SET attempt = 3 WHERE rowid = 3");
+  EXPECT_THAT(error(), HasSubstr("table 'refusals', row 1: the numbers in column 'attempt' of its "
+                                 "trial have a gap"));
+  Edit("UPDATE refusals SET attempt = 1 WHERE rowid = 3");
   Edit("UPDATE timings SET stage = 'lunch' WHERE rowid = 3");
   EXPECT_THAT(error(), HasSubstr("table 'timings', trial 1: column 'stage': 'lunch' is no stage"));
   Edit("UPDATE timings SET seconds = -2 WHERE rowid = 5");
