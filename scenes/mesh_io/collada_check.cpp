@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -37,6 +38,10 @@ class Checker {
 
   void Check(const XmlElement& file) {
     if (file.name != "COLLADA") Refuse(file, "is no begin of a COLLADA file");
+    const std::string version = file.Attribute("version");
+    if (!version.starts_with("1.") || version.find_first_not_of("0123456789.") != version.npos) {
+      Refuse(file, fmt::format("has the version '{}', which is none", OneLine(version)));
+    }
     CollectGeometries(file);
     CheckAll(file);
   }
@@ -138,10 +143,18 @@ class Checker {
   // values.
   void CheckParams(const XmlElement& accessor, uint64_t stride) const {
     constexpr uint64_t kMaxColorValues = 4;
-    const auto params =
-        std::count_if(accessor.children.begin(), accessor.children.end(),
-                      [](const XmlElement& child) { return child.name == "param"; });
-    if (params == 0 || stride > kMaxColorValues || static_cast<uint64_t>(params) == stride) return;
+    size_t params = 0;
+    for (const XmlElement& child : accessor.children) {
+      if (child.name != "param") continue;
+      ++params;
+      const std::string type = child.Attribute("type");
+      if (std::ranges::all_of(
+              type, [](unsigned char c) { return c == '_' || (c < 128 && std::isalnum(c)); })) {
+        continue;
+      }
+      Refuse(child, fmt::format("has the type '{}', which is none", OneLine(type)));
+    }
+    if (params == 0 || stride > kMaxColorValues || params == stride) return;
     Refuse(accessor, fmt::format("has {} parameters, but a stride of {}", params, stride));
   }
 
@@ -150,7 +163,7 @@ class Checker {
     uint64_t inputs = 0;  // indices of a corner
     uint64_t lists = 0, words = 0, corners = 0;
     for (const XmlElement& child : primitives.children) {
-      if (child.name == "input") inputs = std::max(inputs, Count(child, "offset", 0) + 1);
+      if (child.name == "input") inputs = std::max(inputs, Count(child, "offset") + 1);
       if (child.name == "ph") ++lists;
       if (child.name == "p") {
         ++lists;
