@@ -43,10 +43,13 @@ for target in "${targets[@]}"; do
   fi
   folders=("$corpus")
   [ ! -d "$root/tests/fuzz/failed/$target" ] || folders+=("$root/tests/fuzz/failed/$target")
+  # libFuzzer cuts longer inputs, and a file that is cut is refused before most of the code is reached.
+  longest=$(find "$corpus" -name 'seed_*' -printf '%s\n' | sort -n | tail -n 1)
   touch "$begin"
   failed=0
   "$fuzzer" --target="$target" "${folders[@]}" -max_total_time=$seconds -timeout=30 -rss_limit_mb=4096 \
-    -max_len=100000 -print_final_stats=1 -artifact_prefix="$build/findings/$target-" >"$log" 2>&1 || failed=1
+    -max_len=$((${longest:-0} + 100000)) -print_final_stats=1 -artifact_prefix="$build/findings/$target-" \
+    >"$log" 2>&1 || failed=1
   findings=0
   if [ $failed = 1 ]; then
     # An input that was found before is written again. A slow input is no finding.

@@ -12,9 +12,10 @@ cat >"$FUZZ_BUILD/pickbed_fuzzer" <<'END'
 target=${1#--target=}
 for argument in "$@"; do
   case $argument in
-    --seeds=*) mkdir -p "${argument#--seeds=}"; exit ;;
+    --seeds=*) mkdir -p "${argument#--seeds=}"; head -c 200000 /dev/zero >"${argument#--seeds=}/seed_0000"; exit ;;
     -artifact_prefix=*) prefix=${argument#-artifact_prefix=} ;;
     -max_total_time=*) echo "time ${argument#*=}" ;;
+    -max_len=*) echo "length ${argument#*=}" ;;
   esac
 done
 [ "$target" != broken ] || exit 3
@@ -36,6 +37,7 @@ has() { grep -qE -- "$1" "$FUZZ_BUILD/output" || fail "no '$1'"; }
 run 0 2 good
 has '^good +1234 +5 +0$'
 grep -q 'time 120' "$FUZZ_BUILD/findings/good.log" || fail "the time is not shared"
+grep -q 'length 300000' "$FUZZ_BUILD/findings/good.log" || fail "the seed is cut"
 run 1 2
 has '^target +runs +new inputs +findings$'
 has '^good +1234 +5 +0$'
