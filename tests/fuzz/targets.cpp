@@ -11,6 +11,7 @@
 #include "eval/sweep/sweep_spec.h"
 #include "grasp/grippers/table.h"
 #include "perception/completion/completion_file.h"
+#include "perception/completion_networks/network_options.h"
 #include "perception/networks/model_file.h"
 #include "perception/networks/verifier_file.h"
 #include "scenes/base/error.h"
@@ -18,7 +19,11 @@
 #include "scenes/image/image_check.h"
 #include "scenes/image/image_io.h"
 #include "scenes/image/number_image.h"
+#include "scenes/mesh_io/material_check.h"
+#include "scenes/mesh_io/mesh_file_check.h"
+#include "scenes/mesh_io/mesh_import.h"
 #include "scenes/mesh_io/mesh_io.h"
+#include "scenes/mesh_io/mesh_text_check.h"
 #include "scenes/mesh_io/scene_export.h"
 #include "scenes/objects/object_catalog.h"
 #include "scenes/plugin/message.h"
@@ -119,17 +124,26 @@ std::string BinaryStl() {
   return stl;
 }
 
+// Loads a mesh. The importer runs in a child process. libFuzzer does not see the coverage of this
+// process, and its crashes are refusals, so that our own code around the importer runs here, too.
+// An importer that has not crashed in the child does not crash here.
+void ReadMesh(const fs::path& file) {
+  CheckMeshFile(file);
+  CheckMeshText(file);
+  LoadMesh(file);
+  ImportMesh(file, 1);
+}
+
 FuzzTarget MeshTarget(const std::string& extension, Contents seeds) {
-  return OneFile(
-      "mesh_" + extension, "a." + extension, [](const fs::path& file) { LoadMesh(file); },
-      [seeds] { return seeds; });
+  return OneFile("mesh_" + extension, "a." + extension, ReadMesh, [seeds] { return seeds; });
 }
 
 FuzzTarget MaterialTarget() {
   const auto run = [](const fs::path& folder, const std::string& bytes) {
     WriteFileAtomically(folder / "a.obj", kObj);
     WriteFileAtomically(folder / "a.mtl", bytes);
-    LoadMesh(folder / "a.obj");
+    CheckMaterials(folder / "a.obj", {folder / "a.mtl"});
+    ReadMesh(folder / "a.obj");
   };
   return {"material", run, [] { return Contents{kMtl}; }};
 }
@@ -197,14 +211,36 @@ FuzzTarget BopTarget(const std::string& name, const std::string& file) {
 
 // ---- Models ----
 
+Contents ModelAsset(const std::string& name) {
+  return {ReadFileBytes(AssetsDir() / "models" / name)};
+}
+
+// One of each kind. The shipped model has 2.6 MB of weights, so that few mutations would hit the
+// rest.
+Contents SmallCompletionModels() {
+  const TemporaryFolder temporary;
+  const fs::path file = temporary.path() / "a.net";
+  Contents contents;
+  for (const std::string& kind : CompletionKinds()) {
+    CompletionModelInfo info;
+    info.network.kind = kind;
+    info.network.width_16 = info.network.width_8 = info.network.width_4 = 4;
+    info.network.bottleneck = info.network.image_width = 4;
+    info.network.hidden = 16;
+    SaveCompletionModel(file, info, CompletionNetwork(info.network));
+    contents.push_back(ReadFileBytes(file));
+  }
+  return contents;
+}
+
 template <typename Read>
-FuzzTarget ModelTarget(const std::string& name, const std::string& asset, Read read) {
+FuzzTarget ModelTarget(const std::string& name, Contents (*seeds)(), Read read) {
   const auto run = [read](const fs::path& folder, const std::string& bytes) {
     const fs::path file = folder / "a.net";
     WriteFileAtomically(file, WithRightHash(bytes));
     read(file);
   };
-  return {name, run, [asset] { return Contents{ReadFileBytes(AssetsDir() / "models" / asset)}; }};
+  return {name, run, seeds};
 }
 
 FuzzTarget MessageTarget() {
@@ -380,9 +416,13 @@ std::vector<FuzzTarget> MakeTargets() {
       CloudTarget(),
       StoreTarget(),
       StoreSqlTarget(),
-      ModelTarget("model", "shipped.net", [](const fs::path& file) { LoadModel(file); }),
-      ModelTarget("verifiers", "ppf.net", [](const fs::path& file) { LoadVerifiers(file, "ppf"); }),
-      ModelTarget("completion_model", "completion.net",
+      ModelTarget(
+          "model", [] { return ModelAsset("shipped.net"); },
+          [](const fs::path& file) { LoadModel(file); }),
+      ModelTarget(
+          "verifiers", [] { return ModelAsset("ppf.net"); },
+          [](const fs::path& file) { LoadVerifiers(file, "ppf"); }),
+      ModelTarget("completion_model", SmallCompletionModels,
                   [](const fs::path& file) { LoadCompletionModel(file); }),
       MessageTarget(),
   };
