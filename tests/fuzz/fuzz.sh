@@ -3,7 +3,8 @@
 # time. A finding ends its target. The others still run. Exit status 1: there are findings.
 #   fuzz.sh MINUTES [TARGET...]
 # Without targets, all.
-# The corpora in build/fuzz/corpus grow from call to call. FUZZ_BUILD is another folder for build/fuzz.
+# The corpora in build/fuzz/corpus grow from call to call, and build/fuzz/cpu_seconds has the time of each
+# call. FUZZ_BUILD is another folder for build/fuzz.
 set -u
 root=$(cd "$(dirname "$0")/../.." && pwd)
 minutes=${1:-}
@@ -31,42 +32,45 @@ statistic() {
   echo "${value:-0}"
 }
 
-begin=$build/findings/begin
+TIMEFORMAT="%U %S"  # of the fuzzer and its child processes
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
 all_findings=0
 rows=()
 for target in "${targets[@]}"; do
   corpus=$build/corpus/$target
   log=$build/findings/$target.log
   echo "$target: $seconds s"
-  if [ ! -d "$corpus" ]; then
-    "$fuzzer" --target="$target" --seeds="$corpus" || { echo "$target: no seeds" >&2; exit 1; }
-  fi
+  # Each call, since the corpus may be of an earlier version.
+  "$fuzzer" --target="$target" --seeds="$corpus" || { echo "$target: no seeds" >&2; exit 1; }
   folders=("$corpus")
   [ ! -d "$root/tests/fuzz/failed/$target" ] || folders+=("$root/tests/fuzz/failed/$target")
   # libFuzzer cuts longer inputs, and a file that is cut is refused before most of the code is reached.
   longest=$(find "$corpus" -name 'seed_*' -printf '%s\n' | sort -n | tail -n 1)
-  touch "$begin"
+  touch "$work/begin"
   failed=0
-  "$fuzzer" --target="$target" "${folders[@]}" -max_total_time=$seconds -timeout=30 -rss_limit_mb=4096 \
+  { time "$fuzzer" --target="$target" "${folders[@]}" -max_total_time=$seconds -timeout=30 -rss_limit_mb=4096 \
     -max_len=$((${longest:-0} + 100000)) -print_final_stats=1 -artifact_prefix="$build/findings/$target-" \
-    >"$log" 2>&1 || failed=1
+    >"$log" 2>&1; } 2>"$work/time" || failed=1
+  cpu=$(tail -n 1 "$work/time" | awk '{ printf "%.1f", $1 + $2 }')
+  echo "$target $cpu" >>"$build/cpu_seconds"
   findings=0
   if [ $failed = 1 ]; then
     # An input that was found before is written again. A slow input is no finding.
     while IFS= read -r input; do
       findings=$((findings + 1))
       echo "$target: FAILED on $input, see $log" >&2
-    done < <(find "$build/findings" -name "$target-*" ! -name "$target-slow-unit-*" -newer "$begin")
+    done < <(find "$build/findings" -name "$target-*" ! -name "$target-slow-unit-*" -newer "$work/begin")
     if [ $findings = 0 ]; then
       findings=1
       echo "$target: FAILED without an input, see $log" >&2
     fi
   fi
   all_findings=$((all_findings + findings))
-  rows+=("$(printf '%-18s %12s %12s %9s' "$target" "$(statistic number_of_executed_units "$log")" \
-    "$(statistic new_units_added "$log")" "$findings")")
+  rows+=("$(printf '%-18s %12s %12s %9s %9s' "$target" "$(statistic number_of_executed_units "$log")" \
+    "$(statistic new_units_added "$log")" "$findings" "$cpu")")
 done
-rm -f "$begin"
-printf '%-18s %12s %12s %9s\n' target runs "new inputs" findings
+printf '%-18s %12s %12s %9s %9s\n' target runs "new inputs" findings "CPU s"
 printf '%s\n' "${rows[@]}"
+awk '{ sum += $2 } END { printf "CPU hours of all calls: %.2f\n", sum / 3600 }' "$build/cpu_seconds"
 [ $all_findings = 0 ]

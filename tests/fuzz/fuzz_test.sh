@@ -19,6 +19,7 @@ for argument in "$@"; do
   esac
 done
 [ "$target" != broken ] || exit 3
+until times >"$FUZZ_BUILD/times" && [[ $(<"$FUZZ_BUILD/times") > 0m0.2 ]]; do :; done  # takes CPU time
 printf 'stat::number_of_executed_units: 1234\nstat::new_units_added:          5\n'
 [ "$target" != bad ] || { sleep 0.02; echo x >"${prefix}crash-0a"; echo x >"${prefix}slow-unit-0b"; exit 77; }
 END
@@ -35,17 +36,19 @@ run() {
 has() { grep -qE -- "$1" "$FUZZ_BUILD/output" || fail "no '$1'"; }
 
 run 0 2 good
-has '^good +1234 +5 +0$'
+has '^good +1234 +5 +0 +[0-9.]*[1-9][0-9.]*$'
 grep -q 'time 120' "$FUZZ_BUILD/findings/good.log" || fail "the time is not shared"
 grep -q 'length 300000' "$FUZZ_BUILD/findings/good.log" || fail "the seed is cut"
 run 1 2
-has '^target +runs +new inputs +findings$'
-has '^good +1234 +5 +0$'
+has '^target +runs +new inputs +findings +CPU s$'
+has '^good +1234 +5 +0 +[0-9.]*[1-9][0-9.]*$'
 has "^bad: FAILED on $FUZZ_BUILD/findings/bad-crash-0a, see "
-has '^bad +1234 +5 +1$'
+has '^bad +1234 +5 +1 +[0-9.]+$'
 has '^broken: FAILED without an input, see '
-has '^broken +0 +0 +1$'
+has '^broken +0 +0 +1 +[0-9.]+$'
 grep -q 'time 40' "$FUZZ_BUILD/findings/good.log" || fail "the time is not shared"
 run 0 2 good  # an earlier finding of another target does not count
+[ "$(wc -l <"$FUZZ_BUILD/cpu_seconds")" = 5 ] || fail "cpu_seconds has not a line of each share"
+has '^CPU hours of all calls: 0.00$'
 run 1 many
 has 'whole number of minutes'
