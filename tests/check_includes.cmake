@@ -20,7 +20,7 @@ set(floors_perception ". cloud | features model segments | crops verify voting |
   " | crop_methods | estimators")
 set(floors_grasp ". place | candidates execute | grippers plan | tolerance cloud | completed | planners")
 set(floors_eval "stats | metrics | page | cell shapes frames | trial runtime draw | segments store tolerance explain export | summary bop"
-  " | compare sweep train completion | report budget estimate execution calibrate grasps | replay benchmark"
+  " | compare sweep train completion success | report budget estimate execution calibrate grasps | replay benchmark"
   " | cli python | reference")
 
 # Third-party header prefix => pattern of the files that may include it. Only Eigen is public.

@@ -302,6 +302,7 @@ int TrainCommand(int argc, char** argv) {
   if (argc > 1 && std::string(argv[1]) == "completion") {
     return TrainCompletionCommand(argc - 1, argv + 1);
   }
+  if (argc > 1 && std::string(argv[1]) == "grasps") return TrainGraspsCommand(argc - 1, argv + 1);
   CLI::App app(
       "Trains models on views that are rendered during training. Ctrl-C writes a checkpoint.",
       "pickbed train");

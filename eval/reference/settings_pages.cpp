@@ -7,6 +7,7 @@
 #include "eval/grasps/physics_trials.h"
 #include "eval/reference/markdown.h"
 #include "eval/reference/pages.h"
+#include "eval/success/success_training.h"
 #include "eval/sweep/sweep_spec.h"
 #include "eval/tolerance/report.h"
 #include "eval/tolerance/samples.h"
@@ -145,7 +146,9 @@ SettingsPage CompletionSettings() {
   return {"settings_completion.md",
           "Settings of shape completion",
           {{"Training of shape completion", "Settings of `pickbed train completion --set`.",
-            RowsOf(CompletionTrainingOptions())}}};
+            RowsOf(CompletionTrainingOptions())},
+           {"Training of the network for grasps", "Settings of `pickbed train grasps --set`.",
+            RowsOf(SuccessTrainingOptions())}}};
 }
 
 SettingsPage MeasurementSettings() {

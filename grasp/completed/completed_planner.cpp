@@ -205,11 +205,14 @@ CompletedPlanner::CompletedPlanner(const PlannerSetup& setup,
   CheckInput(setup.shapes != nullptr,
              "planner completed needs shapes of objects, which this program does not give; choose "
              "planner cloud_antipodal");
-  if (!options_.grasps_observed) return;
   std::vector<std::shared_ptr<const Gripper>> jaws, cups;
   for (const auto& tool : setup.tools) {
     (IsSuction(*tool) ? cups : jaws).push_back(tool);
   }
+  if (!jaws.empty() && setup.spec.success_model != kNoSuccessModel) {
+    network_ = LoadSuccessNetwork(SuccessNetworkFile(setup.spec.success_model));
+  }
+  if (!options_.grasps_observed) return;
   const auto setup_with = [&](const std::vector<std::shared_ptr<const Gripper>>& tools) {
     return PlannerSetup{setup.spec, tools, setup.objects, setup.candidates, {}};
   };
@@ -222,12 +225,12 @@ double CompletedPlanner::MaxTilt_rad() const {
                                       : options_.plan.max_tilt_rad;
 }
 
-std::vector<CompletedPlanner::Completed> CompletedPlanner::MakeObjects(const PlannerInput& input,
-                                                                       const Pose& X_BW) const {
+std::vector<CompletedPlanner::Completed> CompletedPlanner::MakeObjects(
+    std::span<const OccupancyShape> shapes, const PlannerInput& input, const Pose& X_BW) const {
   std::vector<Completed> completed;
   const double friction = setup_.spec.friction / PadFriction(setup_.tools);
   const double max_tilt_rad = MaxTilt_rad();
-  for (const OccupancyShape& given : setup_.shapes->Shapes(input, options_.max_shapes)) {
+  for (const OccupancyShape& given : shapes) {
     OccupancyShape shape = given;
     for (int pass = 0; pass < options_.smoothing; ++pass) shape = Smoothed(shape);
     TriangleMesh mesh_B = Transformed(SurfaceOf(shape, options_.surface_level), X_BW * shape.X_WV);
@@ -276,20 +279,15 @@ bool CompletedPlanner::PassesPossibleMatter(const ObstacleField& possible, Grasp
   return false;
 }
 
-double CompletedPlanner::ChanceOf(const Grasp& grasp, GraspedSurface surface, double hidden_m,
-                                  const PlannerInput& input, const ImageSegments& segments) const {
+double CompletedPlanner::ChanceOf(const Grasp& grasp, GraspedSurface surface,
+                                  const GraspRater& rater) const {
   const Gripper& tool = ToolOf(grasp);
-  GraspMeasures measures{surface, IsSuction(tool), grasp.score, grasp.width_m, hidden_m};
-  const SegmentMeasures* segment = GraspedSegment(segments, input, tool, grasp.X_WG, grasp.width_m);
-  if (segment != nullptr) {
-    measures.covered = segment->covered;
-    measures.center_offset_m = CenterOffset_m(*segment, input.X_WC, grasp.X_WG);
-  }
-  return options_.chance.Of(measures);
+  if (network_ && !IsSuction(tool)) return network_->Chance(rater.Inputs(grasp, tool, surface));
+  return options_.chance.Of(rater.Measure(grasp, tool, surface));
 }
 
 PlanResult CompletedPlanner::PlanOn(const std::vector<Completed>& completed,
-                                    const ImageSegments& segments, const PlannerInput& input,
+                                    const GraspRater& rater, const PlannerInput& input,
                                     const BinPlacement& bin) const {
   const Pose X_BW = bin.X_WB.inverse();
   ObjectSet objects;
@@ -309,12 +307,10 @@ PlanResult CompletedPlanner::PlanOn(const std::vector<Completed>& completed,
   plan_options.max_grasps = std::max(options_.tested_grasps, input.max_grasps);
   plan_options.seed = input.seed;
   plan_options.max_tilt_rad = MaxTilt_rad();
-  const HiddenSpace hidden(input.frame.depth_m, input.frame.intrinsics,
-                           input.X_WC.inverse() * bin.X_WB, plan_options.hidden_behind_m);
   std::vector<PlanInput> inputs;
   for (size_t k = 0; k < setup_.tools.size(); ++k) {
     inputs.push_back({bin.bin, poses, candidates[k], cloud_B, objects, *setup_.tools[k],
-                      input.targets, &hidden});
+                      input.targets, &rater.hidden()});
   }
   PlanResult plan = PlanWithTools(inputs, plan_options);
   for (const auto shell : {&Completed::possible_B, &Completed::certain_B}) {
@@ -336,13 +332,9 @@ PlanResult CompletedPlanner::PlanOn(const std::vector<Completed>& completed,
   // The score of the planner on poses ranks candidates of one shape, but does not predict which
   // grasps succeed. Grasps with equal chances keep their order.
   for (Grasp& grasp : plan.grasps) {
-    const Gripper& tool = ToolOf(grasp);
-    const double opening_m = tool.ApproachOpening_m(grasp.width_m).value_or(tool.MaxOpening_m());
-    const double hidden_m =
-        hidden.MeanDepth_m(HandSweep(tool, opening_m), grasp.X_WG, plan_options.hidden_step_m);
     grasp.X_WG = bin.X_WB * grasp.X_WG;
     grasp.hypothesis = kNoHypothesis;
-    grasp.score = ChanceOf(grasp, GraspedSurface::kCompleted, hidden_m, input, segments);
+    grasp.score = ChanceOf(grasp, GraspedSurface::kCompleted, rater);
   }
   return plan;
 }
@@ -359,16 +351,18 @@ PlanResult CompletedPlanner::Plan(const PlannerInput& input) {
   } else {
     return {};
   }
-  const std::vector<Completed> completed = MakeObjects(input, X_WB.inverse());
+  const std::vector<OccupancyShape> shapes = setup_.shapes->Shapes(input, options_.max_shapes);
+  const std::vector<Completed> completed = MakeObjects(shapes, input, X_WB.inverse());
   const ImageSegments segments = setup_.shapes->Segments();
+  const GraspRater rater(input, X_WB, segments, shapes, options_.plan);
   PlanResult plan;
   if (!completed.empty()) {
-    plan = PlanOn(completed, segments, input, {input.bin ? input.bin->bin : table, X_WB});
+    plan = PlanOn(completed, rater, input, {input.bin ? input.bin->bin : table, X_WB});
   }
   for (const auto& planner : on_surface_) {
     PlanResult observed = planner->Plan(input);
     for (Grasp& grasp : observed.grasps) {
-      grasp.score = ChanceOf(grasp, GraspedSurface::kObserved, 0, input, segments);
+      grasp.score = ChanceOf(grasp, GraspedSurface::kObserved, rater);
     }
     plan.grasps.insert(plan.grasps.end(), observed.grasps.begin(), observed.grasps.end());
     for (const auto& [cause, count] : observed.rejected) plan.rejected[cause] += count;

@@ -8,8 +8,9 @@
 // of a CAD mesh: grasp candidates are sampled on it, and the planner on poses (grasp/plan/plan.h)
 // checks and ranks them against the bin, the observed points, the other objects and the space that
 // the image does not show. Jaws also grasp the observed surface (grasp/cloud/cloud_antipodal.h).
-// The score of a grasp is its estimated chance of success (grasp/completed/success_chance.h), so
-// that both kinds of grasps are ranked together.
+// The score of a grasp is its estimated chance of success, so that both kinds of grasps are ranked
+// together: by a logistic function (grasp/completed/success_chance.h), or for jaws by a network if
+// the scenario names one (grasp/completed/success_network.h).
 //
 //          p > surface_level: grasped surface      A hand also keeps out of possible matter, where
 //          ______                                  the probability is over `possible_level`. A jaw
@@ -19,11 +20,15 @@
 //         |______|
 
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "grasp/candidates/candidates.h"
+#include "grasp/completed/grasp_rater.h"
 #include "grasp/completed/occupancy_shape.h"
 #include "grasp/completed/success_chance.h"
+#include "grasp/completed/success_network.h"
 #include "grasp/plan/clearance.h"
 #include "grasp/plan/planner.h"
 
@@ -33,7 +38,7 @@ struct CompletedPlannerOptions {
   int max_shapes = 10;                    // objects that are completed, from the highest one
   int smoothing = 2;                      // passes of Smoothed()
   bool grasps_observed = true;            // hands also grasp the observed surface
-  SuccessChance chance = {};              // score of a grasp
+  SuccessChance chance = {};              // score of a grasp without a network
   double min_reported_score = 0.05;       // grasps with a smaller chance are not reported
   double surface_level = 0.45;            // probability at the grasped surface
   double possible_level = 0.3;            // probability from which a hand keeps out
@@ -52,7 +57,8 @@ struct CompletedPlannerOptions {
 
 class CompletedPlanner : public Planner {
  public:
-  // Throws InputError without PlannerSetup::shapes, and for options out of range.
+  // Throws InputError without PlannerSetup::shapes, for options out of range, and for a network
+  // that cannot be read.
   explicit CompletedPlanner(const PlannerSetup& setup, const CompletedPlannerOptions& options = {});
 
   // Without a known bin, the lowest observed point is taken as the height of a table. Causes of
@@ -64,17 +70,18 @@ class CompletedPlanner : public Planner {
  private:
   struct Completed;
   double MaxTilt_rad() const;  // of an approach from straight down, in the first pass
-  std::vector<Completed> MakeObjects(const PlannerInput& input, const Pose& X_BW) const;
-  PlanResult PlanOn(const std::vector<Completed>& objects, const ImageSegments& segments,
+  std::vector<Completed> MakeObjects(std::span<const OccupancyShape> shapes,
+                                     const PlannerInput& input, const Pose& X_BW) const;
+  PlanResult PlanOn(const std::vector<Completed>& objects, const GraspRater& rater,
                     const PlannerInput& input, const BinPlacement& bin) const;
   const Gripper& ToolOf(const Grasp& grasp) const;
   bool PassesPossibleMatter(const ObstacleField& possible, Grasp& grasp) const;
-  // Returns the chance that a grasp of a surface succeeds. `hidden_m`: see GraspMeasures.
-  double ChanceOf(const Grasp& grasp, GraspedSurface surface, double hidden_m,
-                  const PlannerInput& input, const ImageSegments& segments) const;
+  // Returns the chance that a grasp of a surface succeeds.
+  double ChanceOf(const Grasp& grasp, GraspedSurface surface, const GraspRater& rater) const;
 
   const PlannerSetup setup_;
   const CompletedPlannerOptions options_;
+  std::optional<SuccessNetwork> network_;             // of jaws; none: by options_.chance
   std::vector<std::unique_ptr<Planner>> on_surface_;  // of jaws and of cups; empty: none
 };
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "perception/training/eigen_tensors.h"
 #include "scenes/base/error.h"
 
 namespace pickbed::perception {
@@ -20,19 +21,8 @@ at::Tensor FeatureTensor(const VerifierExamples& examples) {
   return x;
 }
 
-Eigen::VectorXf ToVector(const at::Tensor& tensor) {
-  const at::Tensor values = tensor.detach().contiguous();
-  return Eigen::Map<const Eigen::VectorXf>(values.data_ptr<float>(), values.numel());
-}
-
-Eigen::MatrixXf ToMatrix(const at::Tensor& tensor) {
-  const at::Tensor values = tensor.detach().contiguous();
-  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  return Eigen::Map<const RowMajor>(values.data_ptr<float>(), values.size(0), values.size(1));
-}
-
-struct Perceptron : torch::nn::Module {
-  explicit Perceptron(int hidden) {
+struct VerifierModule : torch::nn::Module {
+  explicit VerifierModule(int hidden) {
     first = register_module("first", torch::nn::Linear(kVerifyFeatures, hidden));
     last = register_module("last", torch::nn::Linear(hidden, 1));
   }
@@ -40,7 +30,7 @@ struct Perceptron : torch::nn::Module {
   torch::nn::Linear first{nullptr}, last{nullptr};
 };
 
-void Fit(Perceptron& net, const at::Tensor& x, const at::Tensor& y,
+void Fit(VerifierModule& net, const at::Tensor& x, const at::Tensor& y,
          const VerifierOptions& options) {
   torch::optim::Adam adam(
       net.parameters(),
@@ -89,7 +79,7 @@ TrainedNetwork TrainVerifier(const VerifierExamples& examples, const VerifierOpt
   const at::Tensor x = all.slice(0, 0, kept);
   const at::Tensor mean = x.mean(0), scale = x.std(0, false).clamp_min(1e-3);
   const at::Tensor y = torch::tensor(at::ArrayRef<uint8_t>(examples.right)).to(torch::kFloat);
-  Perceptron net(options.hidden);
+  VerifierModule net(options.hidden);
   Fit(net, (x - mean) / scale, y.slice(0, 0, kept), options);
 
   TrainedNetwork trained;

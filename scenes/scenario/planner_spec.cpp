@@ -21,6 +21,10 @@ void PlannerSpec::Visit(SettingsVisitor& v) {
       "completion", completion, {},
       "method that completes the shapes of objects, or truth for the true shapes; only for planner "
       "completed");
+  v.Text(
+      "success_model", success_model, {},
+      "network that estimates the chance of success of a jaw's grasp, a name in assets/models or "
+      "a file, or none for a logistic function; only for planners completed and skirt");
   v.Words("command", command,
           "program that plans the grasps, and its arguments; only for planners process and "
           "process_poses");

@@ -13,15 +13,20 @@ namespace pickbed::scenes {
 // Name of the planner that moves grasp candidates of known objects to estimated poses.
 inline constexpr char kPosePlanner[] = "poses";
 
+// Value of PlannerSpec::success_model for a logistic function in place of a network.
+inline constexpr char kNoSuccessModel[] = "none";
+
 struct PlannerSpec {
   std::string name = kPosePlanner;  // a row of PlannerTable()
   // For planners without poses, which know no object.
   double friction = 0.4;     // assumed coefficient between a pad and an unknown object
   double max_tilt_deg = 30;  // of the approach from straight down
   double min_score = 0;      // weaker grasps are not executed
-  // For planners on completed shapes: how objects are found and how their shapes are completed.
+  // For planners on completed shapes: how objects are found, how their shapes are completed, and
+  // how grasps are rated.
   std::string segmentation = "convexity";
   std::string completion = "network";
+  std::string success_model = kNoSuccessModel;  // network that rates grasps of a jaw
   // For planners that are programs: `command` or `connect`.
   std::vector<std::string> command;  // program and arguments
   std::string connect;               // host:port of a running program

@@ -9,6 +9,7 @@
 #include "eval/bop/results_csv.h"
 #include "eval/frames/frame_files.h"
 #include "eval/sweep/sweep_spec.h"
+#include "grasp/completed/success_network.h"
 #include "grasp/grippers/table.h"
 #include "perception/completion/completion_file.h"
 #include "perception/completion_networks/network_options.h"
@@ -424,6 +425,9 @@ std::vector<FuzzTarget> MakeTargets() {
           [](const fs::path& file) { LoadVerifiers(file, "ppf"); }),
       ModelTarget("completion_model", SmallCompletionModels,
                   [](const fs::path& file) { LoadCompletionModel(file); }),
+      ModelTarget(
+          "success_network", [] { return ModelAsset("grasps.net"); },
+          [](const fs::path& file) { LoadSuccessNetwork(file); }),
       MessageTarget(),
   };
 }

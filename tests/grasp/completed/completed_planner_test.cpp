@@ -10,10 +10,12 @@
 #include "grasp/cloud/cloud_antipodal.h"
 #include "grasp/grippers/suction_cup.h"
 #include "grasp/planners/table.h"
+#include "scenes/base/math.h"
 #include "tests/grasp/cloud/cloud_scene.h"
 #include "tests/grasp/completed/shape_source.h"
 #include "tests/grasp/grasp_scenes.h"
 #include "tests/support/error_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
 namespace {
@@ -286,6 +288,42 @@ TEST(CompletedPlanner, RanksBothKindsOfGraspsByTheirChance) {
     EXPECT_EQ(is_observed(all.grasps.front()), shift < 0);
     EXPECT_TRUE(std::ranges::is_sorted(all.grasps, std::greater(), &Grasp::score));
   }
+}
+
+// The network has only one weight, for the width.
+TEST(CompletedPlanner, ANetworkRatesTheGraspsOfJaws) {
+  constexpr int kWidthInput = 2;
+  SuccessNetwork network;
+  network.mean = Eigen::VectorXf::Zero(kSuccessInputs);
+  network.scale = Eigen::VectorXf::Ones(kSuccessInputs);
+  network.layers = {{Eigen::MatrixXf::Zero(1, kSuccessInputs), Eigen::VectorXf::Zero(1)}};
+  network.layers.front().weights(0, kWidthInput) = 1;
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "width.net";
+  SaveSuccessNetwork(file, network);
+  const Vector3d size_m = Vector3d::Constant(0.04);
+  CloudScene scene;
+  scene.AddBox(size_m, kSpherePose);
+  const ObjectSet objects;
+  const std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
+  GivenShapes shapes({BoxShape(size_m, kSpherePose)});
+  const auto plan_with = [&](std::shared_ptr<const Gripper> tool, const std::string& model) {
+    const std::vector<std::shared_ptr<const Gripper>> tools{std::move(tool)};
+    PlannerSetup setup{PlannerSpec(), tools, objects, candidates, {}, 2};
+    setup.spec.success_model = model;
+    setup.shapes = &shapes;
+    return CompletedPlanner(setup).Plan(scene.Input(20));
+  };
+  const PlanResult rated = plan_with(std::make_shared<ParallelJaw>(SmallJaw()), file);
+  ASSERT_FALSE(rated.grasps.empty());
+  for (const Grasp& grasp : rated.grasps) {
+    EXPECT_NEAR(grasp.score, Logistic(20 * grasp.width_m), 1e-6);
+  }
+  const auto cup = std::make_shared<SuctionCup>();
+  const PlanResult by_cup = plan_with(cup, file), without = plan_with(cup, kNoSuccessModel);
+  ASSERT_EQ(by_cup.grasps.size(), without.grasps.size());
+  ASSERT_FALSE(by_cup.grasps.empty());
+  EXPECT_EQ(by_cup.grasps.front().score, without.grasps.front().score);
 }
 
 // Without hidden space, all grasps of the sphere have the same chance.
