@@ -140,6 +140,8 @@ void ReadCamera(const ParsedJson& entry, const JsonPlace& place, ImageTruth& ima
   }
   if (entry.is_object() && entry.contains("cam_R_w2c")) {
     image.X_CW = ReadPose(entry, "cam_R_w2c", "cam_t_w2c", place);
+  } else if (entry.is_object() && entry.contains("cam_t_w2c")) {
+    place.Fault("'cam_t_w2c' is given without 'cam_R_w2c'; give both or none");
   }
 }
 

@@ -390,6 +390,9 @@ KeyPlaces ApplySetting(const std::string& given, const VisitFunction& visit) {
   if (equals == std::string::npos || equals == 0) {
     throw InputError(fmt::format("{}: expected key=value, such as bin.wall_m=0.004", source));
   }
+  if (assignment[equals - 1] == '.') {
+    throw InputError(fmt::format("{}: the key ends with a dot; write the whole key", source));
+  }
   YAML::Node value = ParseYaml(assignment.substr(equals + 1), source);
   std::vector<std::string> keys;
   std::stringstream path(assignment.substr(0, equals));

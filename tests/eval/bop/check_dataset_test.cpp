@@ -164,6 +164,8 @@ TEST_F(BopCheck, WrongJsonValuesAreReported) {
        "'depth_scale' is 0, not from 1e-06 to 100"},
       {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"]["cam_R_w2c"][4] = 7; },
        "'cam_R_w2c': is no rotation"},
+      {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"].erase("cam_R_w2c"); },
+       "'cam_t_w2c' is given without 'cam_R_w2c'"},
       {"models/models_info.json",
        [](ParsedJson& j) { j["1"]["diameter"] = 2 * j["1"]["diameter"].get<double>(); },
        "obj_000001.ply: its diameter is 51.962 mm, models_info.json says 103.923"},

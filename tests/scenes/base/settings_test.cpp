@@ -184,6 +184,9 @@ TEST(Settings, AssignmentsReachGroupsAndListItems) {
   EXPECT_EQ(sample.items[0].count, 1);
   EXPECT_EQ(sample.items[1].count, 9);
   EXPECT_EQ(sample.size_m, Eigen::Vector3d(7, 8, 9));
+  EXPECT_THAT(ErrorOf([&] { ApplySetting("items.1.={count: 3}", Visiting(sample)); }),
+              HasSubstr("ends with a dot"));
+  EXPECT_EQ(sample.items[1].count, 9);
 }
 
 TEST(Settings, InvalidAssignmentsAreRefused) {
