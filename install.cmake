@@ -19,7 +19,7 @@ install(DIRECTORY scenes sim perception grasp DESTINATION ${headers_folder}
   REGEX "sim/physics/(body_shapes|contact_reuse|pad_geometry|patch_friction|warm_contact)\\.h$" EXCLUDE
   REGEX "sim/render/gl_(drawer|functions|objects|programs|readback|targets)\\.h$" EXCLUDE
   REGEX "sim/render/(shadow_map|software_raster)\\.h$" EXCLUDE
-  REGEX "perception/networks/(fixed_(convolution|layers|sums)|torch_runtime|training_tensors|trunk|wohlhart_layers)\\.h$" EXCLUDE
+  REGEX "perception/networks/(eigen_tensors|fixed_(convolution|layers|sums)|torch_runtime|training_tensors|trunk|wohlhart_layers)\\.h$" EXCLUDE
   REGEX "perception/completion_networks/(completion_net|image_unet|volume_blocks)\\.h$" EXCLUDE)
 
 # Users link the first four targets. They have the same names in the build tree. The others are linked by

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "perception/training/eigen_tensors.h"
+#include "perception/networks/eigen_tensors.h"
 #include "scenes/base/error.h"
 
 namespace pickbed::perception {

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "perception/training/eigen_tensors.h"
+#include "perception/networks/eigen_tensors.h"
 #include "scenes/base/error.h"
 
 namespace pickbed::perception {
