@@ -5,6 +5,7 @@
 #include "eval/shapes/segment_shapes.h"
 #include "eval/trial/oracle_estimator.h"
 #include "grasp/candidates/candidates.h"
+#include "grasp/completed/success_network.h"
 #include "grasp/plan/plan.h"
 #include "grasp/tolerance/tolerance_ranking.h"
 #include "scenes/scenario/policy.h"
@@ -97,6 +98,11 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
         planner_row.completion != nullptr ? planner_row.completion : with.completion;
     shapes = WithSettingsKey(scenario, "planner.completion", [&] {
       return std::make_shared<SegmentShapes>(with.segmentation, completion);
+    });
+    // The planner reads it again, but would not know the key.
+    WithSettingsKey(scenario, "planner.success_model", [&] {
+      if (with.success_model == kNoSuccessModel) return;
+      LoadSuccessNetwork(SuccessNetworkFile(with.success_model));
     });
   }
   planner = WithSettingsKey(scenario, "planner.name", [&] {

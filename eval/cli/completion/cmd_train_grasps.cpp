@@ -99,7 +99,7 @@ int TrainGraspsCommand(int argc, char** argv) {
   SuccessTrainingOptions defaults;
   app.footer("Training settings and their defaults:\n" +
              WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true) +
-             "\nA group takes 10 to 20 minutes of one core.\n"
+             "\nA group takes 4 to 20 minutes of one core.\n"
              "Example: pickbed train grasps --groups 60 --jobs 8");
   if (!ParseArguments(app, argc, argv)) return 0;
   for (const std::string& setting : arguments.settings) {

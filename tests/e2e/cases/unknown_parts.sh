@@ -55,4 +55,6 @@ run_picks_on_true_shapes() {
   expect 1 "$pickbed" run small.yaml --set planner.name=completed --set planner.completion=magic \
     --out bad
   grep -q "planner.completion" last.err || fail "the setting is not named"
+  refused "planner.success_model" "$pickbed" run small.yaml --set planner.name=completed \
+    --set planner.success_model=magic --out bad
 }
