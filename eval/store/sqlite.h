@@ -196,6 +196,12 @@ concept CanLackNumbers = requires(const Row& row) {
   { row.MayLackNumbers() } -> std::same_as<bool>;
 };
 
+template <typename Row>
+bool MayLackNumbers(const Row& row) {
+  if constexpr (CanLackNumbers<Row>) return row.MayLackNumbers();
+  return false;
+}
+
 // Reads rows in the order of the result. `clause` is the SQL text after the table name. A number
 // that a row may lack keeps its default. Throws InputError for a value that is damaged or missing.
 template <typename Row, typename Use>
@@ -211,9 +217,7 @@ void ForEachRow(const Database& db, const char* table, const std::string& clause
       row.Visit([&]<typename T>(const char* name, T& value) {
         at = name;
         ++column;
-        if constexpr (CanLackNumbers<Row> && std::is_same_v<T, double>) {
-          if (statement.IsMissing(column) && row.MayLackNumbers()) return;
-        }
+        if (std::is_same_v<T, double> && statement.IsMissing(column) && MayLackNumbers(row)) return;
         statement.Read(column, value);
       });
     } catch (const InputError& error) {
