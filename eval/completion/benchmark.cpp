@@ -10,6 +10,7 @@
 #include "eval/completion/test_shapes.h"
 #include "perception/completion/completion_file.h"
 #include "scenes/base/error.h"
+#include "scenes/base/files.h"
 #include "scenes/base/random.h"
 
 namespace pickbed::eval {
@@ -88,7 +89,7 @@ std::string ModelFor(const std::string& method, const std::vector<std::string>& 
 
 std::string ModelOfKind(const std::vector<std::string>& models, const std::string& kind) {
   for (const std::string& model : models) {
-    const auto file = perception::CompletionModelFile(model);
+    const auto file = TrainedFile(model);
     if (perception::LoadCompletionModel(file).info.network.kind == kind) return model;
   }
   return {};

@@ -12,6 +12,7 @@
 #include "grasp/cloud/cloud_antipodal.h"
 #include "grasp/completed/completed_planner.h"
 #include "grasp/completed/grasp_rater.h"
+#include "grasp/completed/success_network.h"
 #include "scenes/base/byte_blocks.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -79,10 +80,10 @@ class ExampleBin {
       : setup_(scenario.spec, scenario.objects, {}, {}),
         options_(options),
         max_images_(max_images),
+        network_(SuccessNetworkNamed(options.ranking)),
         shapes_(*setup_.shapes),
         completed_(SetupOf(&shapes_), CompletedOptions()),
         observed_(SetupOf(nullptr)),
-        network_(NetworkOf(options)),
         rng_(Rng::Derive(setup_.spec.seed, BinIndex(0), "eval/grasp_examples")),
         examples_(examples) {
     trial_.objects = setup_.cell.TrueObjects(trial_.bin_index);
@@ -104,8 +105,8 @@ class ExampleBin {
   PlannerSetup SetupOf(ShapeSource* shapes) const {
     PlannerSetup setup{setup_.spec.planner, setup_.tools, setup_.cell.objects(),
                        setup_.candidates,   {},           setup_.options.cloud_stride_px};
-    setup.spec.success_model = options_.ranking;
     setup.shapes = shapes;
+    setup.network = network_;
     return setup;
   }
 
@@ -114,11 +115,6 @@ class ExampleBin {
     options.grasps_observed = false;  // these are planned by `observed_`, with their own scores
     options.min_reported_score = 0;
     return options;
-  }
-
-  static std::optional<SuccessNetwork> NetworkOf(const ExampleOptions& options) {
-    if (options.ranking == kNoSuccessModel) return std::nullopt;
-    return LoadSuccessNetwork(SuccessNetworkFile(options.ranking));
   }
 
   // Returns all planned grasps with their chances, best first, without those at places where one
@@ -207,10 +203,10 @@ class ExampleBin {
   TrialSetup setup_;
   const ExampleOptions options_;
   const int max_images_;
+  const std::shared_ptr<const SuccessNetwork> network_;  // null: the logistic function
   KeptShapes shapes_;
   CompletedPlanner completed_;
   CloudAntipodal observed_;
-  const std::optional<SuccessNetwork> network_;  // none: the logistic function
   Rng rng_;
   LiveTrial trial_;
   std::vector<Vector3d> failed_W_;  // places of failed grasps

@@ -162,7 +162,7 @@ SuccessQuality QualityOfKind(GroupKind kind, const std::vector<PredictedGroup>& 
 void SuccessTrainingOptions::Visit(SettingsVisitor& v) {
   v.Seed("seed", seed, "random seed of the fit");
   v.Integer("first_group", first_group, {0, 100000}, "number of the first group");
-  v.Integer("groups", groups, {1, 10000}, "number of groups of bins; half of them are deep bins");
+  v.Integer("groups", groups, {4, 10000}, "number of groups of bins; half of them are deep bins");
   v.Integer("folds", folds, {2, 100},
             "parts that are predicted by a network trained on the others");
   v.Group(

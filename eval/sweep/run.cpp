@@ -91,10 +91,19 @@ std::string CompletionText(const PlannerSpec& spec, const PlannerRow& planner) {
   const CompletionOptions options;  // the default method is the only one with a model
   const std::string method = planner.completion != nullptr ? planner.completion : spec.completion;
   if (!planner.needs_shapes || method != options.method) return "";
-  const std::filesystem::path file = CompletionModelFile(options.model);
+  const std::filesystem::path file = TrainedFile(options.model);
   if (!std::filesystem::exists(file)) return "";  // the planner reports this with a remedy
   const std::string bytes = ReadFileBytes(file);
   return fmt::format("# completion {:016x}\n", HashBytes(bytes.data(), bytes.size()));
+}
+
+// Returns the hash of the network that rates the grasps of a planner; empty if it reads none.
+std::string SuccessModelText(const PlannerSpec& spec, const PlannerRow& planner) {
+  if (!planner.needs_shapes || spec.success_model == kNoSuccessModel) return "";
+  const std::filesystem::path file = TrainedFile(spec.success_model);
+  if (!std::filesystem::exists(file)) return "";  // the trial reports this with a remedy
+  const std::string bytes = ReadFileBytes(file);
+  return fmt::format("# success model {:016x}\n", HashBytes(bytes.data(), bytes.size()));
 }
 
 constexpr char kOwnGraspsText[] = "# grasps chosen by a caller\n";
@@ -177,6 +186,7 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
     text += ProgramText(spec, "planner", spec.planner);
   }
   text += CompletionText(spec.planner, planner);
+  text += SuccessModelText(spec.planner, planner);
   text += ToleranceRankingText(spec);
   if (truth != OracleStages()) text += GroundTruthText(truth);
   return text;

@@ -91,6 +91,7 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
   }
   PlanOptions plan_options;
   plan_options.ranking = scenario.policy.ranking;
+  std::shared_ptr<const SuccessNetwork> network;
   if (planner_row.needs_shapes) {
     const PlannerSpec& with = scenario.planner;
     WithSettingsKey(scenario, "planner.segmentation", [&] { SegmenterNamed(with.segmentation); });
@@ -99,16 +100,14 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
     shapes = WithSettingsKey(scenario, "planner.completion", [&] {
       return std::make_shared<SegmentShapes>(with.segmentation, completion);
     });
-    // The planner reads it again, but would not know the key.
-    WithSettingsKey(scenario, "planner.success_model", [&] {
-      if (with.success_model == kNoSuccessModel) return;
-      LoadSuccessNetwork(SuccessNetworkFile(with.success_model));
-    });
+    network = WithSettingsKey(scenario, "planner.success_model",
+                              [&] { return SuccessNetworkNamed(with.success_model); });
   }
   planner = WithSettingsKey(scenario, "planner.name", [&] {
     return planner_row.make({scenario.planner, tools, cell.objects(), candidates, plan_options,
                              options.cloud_stride_px, cell.camera().intrinsics,
-                             WorkingDistance_m(cell), cell.bin(), options.log_dir, shapes.get()});
+                             WorkingDistance_m(cell), cell.bin(), options.log_dir, shapes.get(),
+                             network});
   });
 }
 

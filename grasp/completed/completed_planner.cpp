@@ -6,6 +6,7 @@
 #include "grasp/candidates/jaw_wrenches.h"
 #include "grasp/cloud/cloud_antipodal.h"
 #include "grasp/cloud/cloud_suction.h"
+#include "grasp/completed/success_network.h"
 #include "grasp/grippers/parallel_jaw.h"
 #include "grasp/grippers/suction_cup.h"
 #include "scenes/base/error.h"
@@ -205,14 +206,11 @@ CompletedPlanner::CompletedPlanner(const PlannerSetup& setup,
   CheckInput(setup.shapes != nullptr,
              "planner completed needs shapes of objects, which this program does not give; choose "
              "planner cloud_antipodal");
+  if (!options_.grasps_observed) return;
   std::vector<std::shared_ptr<const Gripper>> jaws, cups;
   for (const auto& tool : setup.tools) {
     (IsSuction(*tool) ? cups : jaws).push_back(tool);
   }
-  if (!jaws.empty() && setup.spec.success_model != kNoSuccessModel) {
-    network_ = LoadSuccessNetwork(SuccessNetworkFile(setup.spec.success_model));
-  }
-  if (!options_.grasps_observed) return;
   const auto setup_with = [&](const std::vector<std::shared_ptr<const Gripper>>& tools) {
     return PlannerSetup{setup.spec, tools, setup.objects, setup.candidates, {}};
   };
@@ -282,7 +280,9 @@ bool CompletedPlanner::PassesPossibleMatter(const ObstacleField& possible, Grasp
 double CompletedPlanner::ChanceOf(const Grasp& grasp, GraspedSurface surface,
                                   const GraspRater& rater) const {
   const Gripper& tool = ToolOf(grasp);
-  if (network_ && !IsSuction(tool)) return network_->Chance(rater.Inputs(grasp, tool, surface));
+  if (setup_.network != nullptr && !IsSuction(tool)) {
+    return setup_.network->Chance(rater.Inputs(grasp, tool, surface));
+  }
   return options_.chance.Of(rater.Measure(grasp, tool, surface));
 }
 

@@ -20,7 +20,6 @@
 //         |______|
 
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,7 +27,6 @@
 #include "grasp/completed/grasp_rater.h"
 #include "grasp/completed/occupancy_shape.h"
 #include "grasp/completed/success_chance.h"
-#include "grasp/completed/success_network.h"
 #include "grasp/plan/clearance.h"
 #include "grasp/plan/planner.h"
 
@@ -57,8 +55,7 @@ struct CompletedPlannerOptions {
 
 class CompletedPlanner : public Planner {
  public:
-  // Throws InputError without PlannerSetup::shapes, for options out of range, and for a network
-  // that cannot be read.
+  // Throws InputError without PlannerSetup::shapes, and for options out of range.
   explicit CompletedPlanner(const PlannerSetup& setup, const CompletedPlannerOptions& options = {});
 
   // Without a known bin, the lowest observed point is taken as the height of a table. Causes of
@@ -81,7 +78,6 @@ class CompletedPlanner : public Planner {
 
   const PlannerSetup setup_;
   const CompletedPlannerOptions options_;
-  std::optional<SuccessNetwork> network_;             // of jaws; none: by options_.chance
   std::vector<std::unique_ptr<Planner>> on_surface_;  // of jaws and of cups; empty: none
 };
 

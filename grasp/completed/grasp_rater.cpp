@@ -31,11 +31,16 @@ const SegmentMeasures* GraspRater::SegmentOf(const Grasp& grasp, const Gripper& 
 
 GraspMeasures GraspRater::Measure(const Grasp& grasp, const Gripper& tool,
                                   GraspedSurface surface) const {
+  return MeasureOn(SegmentOf(grasp, tool), grasp, tool, surface);
+}
+
+GraspMeasures GraspRater::MeasureOn(const SegmentMeasures* segment, const Grasp& grasp,
+                                    const Gripper& tool, GraspedSurface surface) const {
   const bool is_suction = dynamic_cast<const SuctionCup*>(&tool) != nullptr;
   GraspMeasures measures{surface, is_suction, grasp.score, grasp.width_m};
   measures.hidden_m = hidden_.MeanDepth_m(HandSweep(tool, Opening_m(grasp, tool)),
                                           X_BW_ * grasp.X_WG, plan_.hidden_step_m);
-  if (const SegmentMeasures* segment = SegmentOf(grasp, tool)) {
+  if (segment != nullptr) {
     measures.covered = segment->covered;
     measures.center_offset_m = CenterOffset_m(*segment, input_.X_WC, grasp.X_WG);
   }
@@ -46,8 +51,9 @@ std::vector<float> GraspRater::Inputs(const Grasp& grasp, const Gripper& tool,
                                       GraspedSurface surface) const {
   const double opening_m = Opening_m(grasp, tool);
   const double tilt_rad = std::acos(std::clamp(-grasp.X_WG.linear()(2, 2), -1.0, 1.0));
-  return SuccessInputs(Measure(grasp, tool, surface), opening_m, tilt_rad,
-                       surroundings_.Of(grasp.X_WG, opening_m, SegmentOf(grasp, tool)));
+  const SegmentMeasures* segment = SegmentOf(grasp, tool);
+  return SuccessInputs(MeasureOn(segment, grasp, tool, surface), opening_m, tilt_rad,
+                       surroundings_.Of(grasp.X_WG, opening_m, segment));
 }
 
 }  // namespace pickbed::grasp

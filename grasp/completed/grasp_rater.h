@@ -1,6 +1,6 @@
 #pragma once
 
-// Rates planned grasps of the unknown objects in one image by their chance of success.
+// Measures planned grasps of the unknown objects in one image, for their chance of success.
 
 #include <span>
 #include <vector>
@@ -35,6 +35,9 @@ class GraspRater {
 
  private:
   const SegmentMeasures* SegmentOf(const Grasp& grasp, const Gripper& tool) const;
+  // `segment`: the grasped one; null = none
+  GraspMeasures MeasureOn(const SegmentMeasures* segment, const Grasp& grasp, const Gripper& tool,
+                          GraspedSurface surface) const;
 
   const PlannerInput& input_;
   const ImageSegments& segments_;

@@ -9,6 +9,7 @@
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/base/math.h"
+#include "scenes/scenario/planner_spec.h"
 
 namespace pickbed::grasp {
 namespace {
@@ -16,7 +17,6 @@ namespace {
 // The blocks are the training, means, scales, the outputs of each layer, and all weights.
 constexpr std::string_view kMagic = "PICKGRSP";
 constexpr uint64_t kVersion = 1;
-constexpr const char* kExtension = ".net";
 constexpr int32_t kMaxOutputs = 4096;   // of a layer
 constexpr double kFullWidth_m = 0.012;  // thickness from which a completed shape is not thin
 
@@ -134,11 +134,9 @@ SuccessNetwork LoadSuccessNetwork(const std::filesystem::path& file) {
   }
 }
 
-std::filesystem::path SuccessNetworkFile(const std::string& name) {
-  const std::filesystem::path path = name;
-  if (path.has_parent_path()) return path;
-  if (path.extension() == kExtension && std::filesystem::exists(path)) return path;
-  return AssetsDir() / "models" / (path.extension() == kExtension ? name : name + kExtension);
+std::shared_ptr<const SuccessNetwork> SuccessNetworkNamed(const std::string& name) {
+  if (name == kNoSuccessModel) return nullptr;
+  return std::make_shared<SuccessNetwork>(LoadSuccessNetwork(TrainedFile(name)));
 }
 
 }  // namespace pickbed::grasp

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -51,8 +52,8 @@ void SaveSuccessNetwork(const std::filesystem::path& file, const SuccessNetwork&
 // a newer version.
 SuccessNetwork LoadSuccessNetwork(const std::filesystem::path& file);
 
-// Returns the file of a network: a path with a folder or an existing .net file, else a file in
-// assets/models.
-std::filesystem::path SuccessNetworkFile(const std::string& name);
+// `name` is a file or a name in assets/models, see TrainedFile(). Returns null for kNoSuccessModel.
+// Throws as LoadSuccessNetwork().
+std::shared_ptr<const SuccessNetwork> SuccessNetworkNamed(const std::string& name);
 
 }  // namespace pickbed::grasp

@@ -48,7 +48,8 @@ class Planner {
   virtual PlanResult Plan(const PlannerInput& input) = 0;
 };
 
-class ShapeSource;  // grasp/completed/occupancy_shape.h
+class ShapeSource;      // grasp/completed/occupancy_shape.h
+struct SuccessNetwork;  // grasp/completed/success_network.h
 
 // What a planner is made of. References must outlive the planner.
 struct PlannerSetup {
@@ -66,6 +67,7 @@ struct PlannerSetup {
   std::filesystem::path log_dir = {};  // for the standard error of the program; empty = no file
   // Only for planners on completed shapes.
   ShapeSource* shapes = nullptr;
+  std::shared_ptr<const SuccessNetwork> network = nullptr;  // of jaws; null: a logistic function
 };
 
 }  // namespace pickbed::grasp

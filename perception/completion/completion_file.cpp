@@ -16,7 +16,6 @@ namespace {
 constexpr std::string_view kMagic = "PICKCOMP";
 constexpr uint64_t kVersion = 2;
 constexpr uint64_t kOldestVersion = 2;  // older networks had no image
-constexpr const char* kExtension = ".net";
 
 // The 16-bit float nearest to a value, ties to even (IEEE 754 binary16).
 uint16_t ToHalf(float value) { return Eigen::numext::bit_cast<uint16_t>(Eigen::half(value)); }
@@ -90,13 +89,6 @@ CompletionModel LoadCompletionModel(const std::filesystem::path& file, const std
     throw InputError(fmt::format("{}: {}; make it again with `pickbed train completion`",
                                  file.string(), error.what()));
   }
-}
-
-std::filesystem::path CompletionModelFile(const std::string& name) {
-  const std::filesystem::path path = name;
-  if (path.has_parent_path()) return path;
-  if (path.extension() == kExtension && std::filesystem::exists(path)) return path;
-  return AssetsDir() / "models" / (path.extension() == kExtension ? name : name + kExtension);
 }
 
 }  // namespace pickbed::perception

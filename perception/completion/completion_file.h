@@ -39,8 +39,4 @@ void SaveCompletionModel(const std::filesystem::path& file, const CompletionMode
 CompletionModel LoadCompletionModel(const std::filesystem::path& file,
                                     const std::string& device = "cpu");
 
-// Returns the file of a model: a path with a folder or an existing .net file, else a file in
-// assets/models.
-std::filesystem::path CompletionModelFile(const std::string& name);
-
 }  // namespace pickbed::perception

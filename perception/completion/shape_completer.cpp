@@ -8,6 +8,7 @@
 #include "perception/completion/network_completer.h"
 #include "perception/completion/rule_completers.h"
 #include "scenes/base/error.h"
+#include "scenes/base/files.h"
 
 namespace pickbed::perception {
 namespace {
@@ -21,15 +22,14 @@ class NetworkCompleter : public ShapeCompleter {
  public:
   // `kind` is the kind that the model must have.
   NetworkCompleter(const CompletionOptions& options, const std::string& kind, int turns)
-      : model_(LoadCompletionModel(CompletionModelFile(options.model))),
+      : model_(LoadCompletionModel(TrainedFile(options.model))),
         cells_(options.cells),
         turns_(turns) {
     const std::string& own = model_.info.network.kind;
-    CheckInput(
-        own == kind,
-        fmt::format("{}: is a model of kind {}, but method {} needs kind {}; train one with "
-                    "`pickbed train completion --set network.kind={}`",
-                    CompletionModelFile(options.model).string(), own, options.method, kind, kind));
+    CheckInput(own == kind,
+               fmt::format("{}: is a model of kind {}, but method {} needs kind {}; train one with "
+                           "`pickbed train completion --set network.kind={}`",
+                           TrainedFile(options.model).string(), own, options.method, kind, kind));
   }
   CompletedVolume Complete(const SegmentView& view) override {
     return CompleteWithNetwork(model_.network, view, cells_, turns_);

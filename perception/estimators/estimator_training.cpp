@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "perception/networks/model_file.h"
+#include "scenes/base/files.h"
 
 namespace pickbed::perception {
 namespace {

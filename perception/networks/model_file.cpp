@@ -150,11 +150,4 @@ std::vector<int> TrainedObjects(const std::vector<ModelObject>& trained, const O
   return indices;
 }
 
-std::filesystem::path TrainedFile(const std::string& name) {
-  const std::filesystem::path path = name;
-  if (path.has_parent_path()) return path;
-  if (path.extension() == ".net" && std::filesystem::exists(path)) return path;
-  return AssetsDir() / "models" / (path.extension() == ".net" ? name : name + ".net");
-}
-
 }  // namespace pickbed::perception

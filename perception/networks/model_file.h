@@ -66,7 +66,4 @@ std::vector<int> TrainedObjects(const std::vector<ModelObject>& trained, const O
                                 const std::filesystem::path& file,
                                 const std::string& command = kTrainCommand);
 
-// Returns the path of a trained model, given by its path or by its name under assets/models.
-std::filesystem::path TrainedFile(const std::string& name);
-
 }  // namespace pickbed::perception

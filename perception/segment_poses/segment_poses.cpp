@@ -22,7 +22,7 @@ uint64_t BookKey(const SegmentPoseOptions& options, const ObjectModel& model,
   std::string text = WriteSettingsKey([&](SettingsVisitor& v) { completion.Visit(v); });
   text += WriteSettingsKey([&](SettingsVisitor& v) { book.Visit(v); });
   text += fmt::format("{:016x} {}", model.mesh_hash, views);
-  if (completion.method == "network") text += ReadFileBytes(CompletionModelFile(completion.model));
+  if (completion.method == "network") text += ReadFileBytes(TrainedFile(completion.model));
   return HashBytes(text.data(), text.size());
 }
 

@@ -135,6 +135,13 @@ fs::path CacheDir() {
   return folder;
 }
 
+std::filesystem::path TrainedFile(const std::string& name) {
+  const std::filesystem::path path = name;
+  if (path.has_parent_path()) return path;
+  if (path.extension() == ".net" && std::filesystem::exists(path)) return path;
+  return AssetsDir() / "models" / (path.extension() == ".net" ? name : name + ".net");
+}
+
 std::vector<std::string> StemsIn(const std::filesystem::path& folder,
                                  const std::string& extension) {
   std::vector<std::string> stems;

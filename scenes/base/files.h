@@ -29,6 +29,10 @@ std::vector<std::string> StemsIn(const std::filesystem::path& folder, const std:
 bool Exists(const std::filesystem::path& path);
 bool IsRegularFile(const std::filesystem::path& path);
 
+// Returns the file of a trained model: a path with a folder or an existing .net file, else a file
+// in assets/models.
+std::filesystem::path TrainedFile(const std::string& name);
+
 // Creates a folder with all its parents, if needed. Throws InputError with the path and the
 // system's reason.
 void MakeFolder(const std::filesystem::path& folder);

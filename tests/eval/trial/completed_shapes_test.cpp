@@ -6,9 +6,11 @@
 #include "eval/shapes/segment_shapes.h"
 #include "eval/sweep/run.h"
 #include "eval/trial/trial.h"
+#include "scenes/base/files.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/support/error_of.h"
 #include "tests/support/synthetic_depth.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
 namespace {
@@ -78,6 +80,26 @@ TEST(CompletedShapes, TheModelIsPartOfTheIdentityOfARun) {
   EXPECT_THAT(identity(kTrueShapes), Not(HasSubstr("# completion ")));
   spec.planner.name = "skirt";
   EXPECT_THAT(identity("network"), Not(HasSubstr("# completion ")));
+}
+
+// The same path with another content is another network.
+TEST(CompletedShapes, TheNetworkForGraspsIsPartOfTheIdentityOfARun) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "a.net";
+  ScenarioSpec spec = CubeScenario(2);
+  spec.planner.name = "completed";
+  const auto identity = [&](const std::string& model) {
+    spec.planner.success_model = model;
+    return RunIdentity(spec, EasyCube());
+  };
+  EXPECT_THAT(identity(kNoSuccessModel), Not(HasSubstr("# success model ")));
+  WriteFileAtomically(file, "first");
+  const std::string first = identity(file);
+  EXPECT_THAT(first, HasSubstr("\n# success model "));
+  WriteFileAtomically(file, "second");
+  EXPECT_NE(identity(file), first);
+  spec.planner.name = "cloud_antipodal";
+  EXPECT_THAT(identity(file), Not(HasSubstr("# success model "))) << "it reads none";
 }
 
 TEST(CompletedShapes, AnUnknownMethodIsNamedWithItsSetting) {

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "grasp/cloud/cloud_antipodal.h"
+#include "grasp/completed/success_network.h"
 #include "grasp/grippers/suction_cup.h"
 #include "grasp/planners/table.h"
 #include "scenes/base/math.h"
@@ -15,7 +16,6 @@
 #include "tests/grasp/completed/shape_source.h"
 #include "tests/grasp/grasp_scenes.h"
 #include "tests/support/error_of.h"
-#include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
 namespace {
@@ -293,34 +293,33 @@ TEST(CompletedPlanner, RanksBothKindsOfGraspsByTheirChance) {
 // The network has only one weight, for the width.
 TEST(CompletedPlanner, ANetworkRatesTheGraspsOfJaws) {
   constexpr int kWidthInput = 2;
-  SuccessNetwork network;
-  network.mean = Eigen::VectorXf::Zero(kSuccessInputs);
-  network.scale = Eigen::VectorXf::Ones(kSuccessInputs);
-  network.layers = {{Eigen::MatrixXf::Zero(1, kSuccessInputs), Eigen::VectorXf::Zero(1)}};
-  network.layers.front().weights(0, kWidthInput) = 1;
-  const TemporaryFolder folder;
-  const std::string file = folder.path() / "width.net";
-  SaveSuccessNetwork(file, network);
+  SuccessNetwork width;
+  width.mean = Eigen::VectorXf::Zero(kSuccessInputs);
+  width.scale = Eigen::VectorXf::Ones(kSuccessInputs);
+  width.layers = {{Eigen::MatrixXf::Zero(1, kSuccessInputs), Eigen::VectorXf::Zero(1)}};
+  width.layers.front().weights(0, kWidthInput) = 1;
+  const auto network = std::make_shared<SuccessNetwork>(width);
   const Vector3d size_m = Vector3d::Constant(0.04);
   CloudScene scene;
   scene.AddBox(size_m, kSpherePose);
   const ObjectSet objects;
   const std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
   GivenShapes shapes({BoxShape(size_m, kSpherePose)});
-  const auto plan_with = [&](std::shared_ptr<const Gripper> tool, const std::string& model) {
+  const auto plan_with = [&](std::shared_ptr<const Gripper> tool,
+                             std::shared_ptr<const SuccessNetwork> network) {
     const std::vector<std::shared_ptr<const Gripper>> tools{std::move(tool)};
     PlannerSetup setup{PlannerSpec(), tools, objects, candidates, {}, 2};
-    setup.spec.success_model = model;
+    setup.network = std::move(network);
     setup.shapes = &shapes;
     return CompletedPlanner(setup).Plan(scene.Input(20));
   };
-  const PlanResult rated = plan_with(std::make_shared<ParallelJaw>(SmallJaw()), file);
+  const PlanResult rated = plan_with(std::make_shared<ParallelJaw>(SmallJaw()), network);
   ASSERT_FALSE(rated.grasps.empty());
   for (const Grasp& grasp : rated.grasps) {
     EXPECT_NEAR(grasp.score, Logistic(20 * grasp.width_m), 1e-6);
   }
   const auto cup = std::make_shared<SuctionCup>();
-  const PlanResult by_cup = plan_with(cup, file), without = plan_with(cup, kNoSuccessModel);
+  const PlanResult by_cup = plan_with(cup, network), without = plan_with(cup, nullptr);
   ASSERT_EQ(by_cup.grasps.size(), without.grasps.size());
   ASSERT_FALSE(by_cup.grasps.empty());
   EXPECT_EQ(by_cup.grasps.front().score, without.grasps.front().score);

@@ -150,7 +150,7 @@ TEST(SuccessNetwork, TheShippedOnePrefersTheMiddleOfABarToItsEnd) {
   const PlanOptions plan;
   const std::vector<OccupancyShape> shapes{BoxShape(size_m, pose)};
   const GraspRater rater(input, Pose::Identity(), segments, shapes, plan);
-  const SuccessNetwork network = LoadSuccessNetwork(SuccessNetworkFile("grasps"));
+  const SuccessNetwork network = *SuccessNetworkNamed("grasps");
   const auto chance = [&](double y_m) {
     Grasp grasp;
     grasp.X_WG = FromAbove({0, y_m, size_m.z() - 0.018});
