@@ -77,7 +77,9 @@ void JudgeJawGrasps(const ObjectModel& model, const HandSpec& hand, double clear
     const auto hold = [&](const Pose& X_OG, double factor) {
       return jaw.At(X_OG, *opening, factor);
     };
-    if (const auto set = hold(candidate.X_OG, 1)) candidate.epsilon = DepthOfZero(*set).lower;
+    if (const auto set = hold(candidate.X_OG, 1)) {
+      candidate.epsilon = DepthOfZero(*set, {.tolerance = options.epsilon_tolerance}).lower;
+    }
     candidate.robust = RobustShare(model, candidate.X_OG, hold, Rng(seed), options);
   }
 }

@@ -27,7 +27,8 @@ Vector3d DownInHand(double tilt_rad, Rng& rng) {
 }  // namespace
 
 void RobustOptions::Visit(SettingsVisitor& v) {
-  v.Integer("samples", samples, {1, 100000}, "number of sampled errors per candidate");
+  v.Integer("samples", samples, {0, 100000},
+            "number of sampled errors per candidate; 0 computes no share");
   v.Real("position_m", position_m, {0, 0.1},
          "standard deviation of the hand position relative to the object per axis, m");
   v.Real("rotation_rad", rotation_rad, {0, 1}, "standard deviation of the rotation, rad");
@@ -45,6 +46,8 @@ void RobustOptions::Visit(SettingsVisitor& v) {
          "lower limit of the sampled factors of friction and mass");
   v.Integer("cone_edges", cone_edges, {3, 64},
             "edges of the pyramid that approximates a friction cone");
+  v.Real("epsilon_tolerance", epsilon_tolerance, {1e-6, 0.5},
+         "relative error of epsilon, which is rounded down");
 }
 
 double WrenchForce_n(const ObjectModel& model) { return model.mass.mass_kg * kGravity_mps2; }
@@ -53,6 +56,7 @@ double WrenchRadius_m(const ObjectModel& model) { return 0.5 * model.diameter_m;
 
 double RobustShare(const ObjectModel& model, const Pose& X_OG, const HoldFunction& hold, Rng rng,
                    const RobustOptions& options) {
+  if (options.samples == 0) return 0;
   int held = 0;
   for (int i = 0; i < options.samples; ++i) {
     Pose X_OS = X_OG;

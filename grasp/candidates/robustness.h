@@ -17,8 +17,9 @@ namespace pickbed::grasp {
 
 // Sampled errors and load of the robustness test.
 struct RobustOptions {
-  int samples = 32;           // every candidate gets the same errors, so that shares are comparable
-  double position_m = 0.002;  // sigma per axis of the hand position relative to the object
+  // Every candidate gets the same errors, so that shares are comparable. 0: no share is computed.
+  int samples = 32;
+  double position_m = 0.002;    // sigma per axis of the hand position relative to the object
   double rotation_rad = 0.035;  // sigma of the rotation about a random axis
   double friction_share = 0.2;  // sigma, as a share of the pair friction
   double mass_share = 0.1;      // sigma, as a share of the mass of the object
@@ -28,8 +29,9 @@ struct RobustOptions {
   // Surface within this distance of the first touch is in contact. The band is wider than in
   // AntipodalOptions, because the object rotates into the pads.
   double touch_band_m = 0.002;
-  double min_factor = 0.05;  // lower bound of the sampled factors of friction and mass
-  int cone_edges = 8;        // edges of the pyramid that replaces a friction cone
+  double min_factor = 0.05;         // lower bound of the sampled factors of friction and mass
+  int cone_edges = 8;               // edges of the pyramid that replaces a friction cone
+  double epsilon_tolerance = 1e-3;  // relative error of epsilon, which is rounded down
   void Visit(SettingsVisitor& v);
 };
 
@@ -43,8 +45,8 @@ double WrenchRadius_m(const ObjectModel& model);
 using HoldFunction =
     std::function<std::optional<WrenchSet>(const Pose& X_OG, double friction_factor)>;
 
-// Share 0..1 of samples in which the grasp balances weight and lift. `rng` is taken by value, so
-// that every candidate sees the same samples.
+// Share 0..1 of samples in which the grasp balances weight and lift; 0 without samples. `rng` is
+// taken by value, so that every candidate sees the same samples.
 double RobustShare(const ObjectModel& model, const Pose& X_OG, const HoldFunction& hold, Rng rng,
                    const RobustOptions& options);
 

@@ -165,7 +165,9 @@ CompletedPlannerOptions::CompletedPlannerOptions() {
   candidates.suction.max_samples = 600;
   candidates.suction.min_points = 800;
   candidates.suction.max_points = 1500;
-  candidates.robust.samples = 1;
+  // The chance of success takes the place of the robustness, and epsilon only orders candidates.
+  candidates.robust.samples = 0;
+  candidates.robust.epsilon_tolerance = 0.1;
   candidates.robust.cone_edges = 4;
 }
 

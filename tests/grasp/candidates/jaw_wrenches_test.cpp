@@ -95,6 +95,31 @@ TEST_F(JawHolds, RobustnessFallsWithErrorsAndWeight) {
   EXPECT_EQ(robustness(options), 0);
 }
 
+// Epsilon is rounded down by at most the tolerance, and the share needs samples.
+TEST_F(JawHolds, ALooseToleranceGivesALowerBoundOfEpsilon) {
+  GraspCandidate centered;
+  centered.X_OG = at_center_;
+  centered.width_m = 0.05;
+  const auto judged = [&](const RobustOptions& options) {
+    std::vector<GraspCandidate> one{centered};
+    JudgeJawGrasps(*box_, hand_, SmallJaw().clearance_m, surface_, options, 1, one);
+    return one[0];
+  };
+  RobustOptions exact, loose;
+  exact.samples = loose.samples = 0;
+  loose.position_m = loose.rotation_rad = 0.0001;
+  exact.epsilon_tolerance = 1e-6;
+  loose.epsilon_tolerance = 0.3;
+  const double epsilon = judged(exact).epsilon;
+  ASSERT_GT(epsilon, 0);
+  EXPECT_LE(judged(loose).epsilon, epsilon);
+  EXPECT_GE(judged(loose).epsilon, (1 - loose.epsilon_tolerance) * epsilon);
+  EXPECT_LT(judged(loose).epsilon, (1 - 1e-4) * epsilon);  // the tolerance is used
+  EXPECT_EQ(judged(loose).robust, 0);
+  loose.samples = 1;
+  EXPECT_EQ(judged(loose).robust, 1);
+}
+
 // The pads hold a bar by friction 2 mu F = 40 N. Gripped beside its center, the weight rotates it
 // about the closing axis, against 40 N times the mean lever arm of the patches of 12 to 15 mm.
 TEST_F(JawHolds, RobustnessFallsWithTheLeverArmOfTheWeight) {
