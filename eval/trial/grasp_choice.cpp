@@ -114,7 +114,7 @@ std::vector<Grasp> PlanOnImage(const TrialSetup& setup, const TrueScene& truth,
   }
   if (const int limit = setup.spec.policy.max_failures_at_place; limit > 0) {
     const auto given_up = std::erase_if(
-        fresh, [&](const Grasp& grasp) { return failed.FailuresNear(grasp) >= limit; });
+        fresh, [&](const Grasp& grasp) { return failed.FailuresNear(grasp, on.poses) >= limit; });
     if (given_up > 0) {
       record.grasps_rejected["failed too often here"] = static_cast<int>(given_up);
     }
@@ -216,16 +216,18 @@ std::vector<Grasp> GraspMemory::WithoutRepetitions(const std::vector<Grasp>& gra
   // Without poses, several failures at one place are of one instance. Other grasps may hold it, but
   // other instances come first.
   std::stable_partition(fresh.begin(), fresh.end(), [&](const Grasp& grasp) {
-    return FailuresNear(grasp) < kFailuresOfInstance;
+    return grasp.hypothesis != kNoHypothesis || FailuresNear(grasp, poses) < kFailuresOfInstance;
   });
   return fresh;
 }
 
-int GraspMemory::FailuresNear(const Grasp& grasp) const {
-  if (grasp.hypothesis != kNoHypothesis) return 0;
+int GraspMemory::FailuresNear(const Grasp& grasp, const std::vector<EstimatedPose>& poses) const {
+  const EstimatedPose* pose =
+      grasp.hypothesis == kNoHypothesis ? nullptr : &poses[grasp.hypothesis];
+  const ObjectId object = pose != nullptr ? pose->object : kAnyObject;
+  const Eigen::Vector3d position_W = PositionOf(grasp, pose);
   const auto is_near = [&](const FailedGrasp& old) {
-    return old.object == kAnyObject &&
-           (old.position_W - grasp.X_WG.translation()).norm() < kSameInstance_m;
+    return old.object == object && (old.position_W - position_W).norm() < kSameInstance_m;
   };
   return static_cast<int>(std::count_if(failed_.begin(), failed_.end(), is_near));
 }

@@ -33,9 +33,9 @@ class GraspMemory {
   std::vector<Grasp> WithoutRepetitions(const std::vector<Grasp>& grasps,
                                         const std::vector<EstimatedPose>& poses,
                                         const TrialOptions& options) const;
-  // Returns the number of failed grasps without a pose whose hand was near the hand of a grasp. It
-  // is 0 for a grasp with a pose.
-  int FailuresNear(const Grasp& grasp) const;
+  // Returns the number of failed grasps within 40 mm of a grasp: between the poses of two instances
+  // of one object or, without poses, between the hands.
+  int FailuresNear(const Grasp& grasp, const std::vector<EstimatedPose>& poses) const;
   bool empty() const { return failed_.empty(); }
   void Clear() { failed_.clear(); }
 

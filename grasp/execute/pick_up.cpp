@@ -84,8 +84,14 @@ bool PickUp::Approach() {
   const double share = std::min(1.0, world_.physics().step_s() / options_.stop_window_s);
   double felt_n = 0;
   const int steps = world_.Steps(MinimumJerkSeconds(gripper_.approach_m, options_.approach_mps));
+  if (hand_.HoldsOnContact()) hand_.Close();
   for (int i = 1; i <= steps; ++i) {
     Advance(Between(Behind(X_WG_), X_WG_, MinimumJerk(static_cast<double>(i) / steps)));
+    // To push on would press the held instance into the pile.
+    if (hand_.HoldsOnContact() && hand_.Holds()) {
+      X_WG_ = hand_.X_WG();
+      return true;
+    }
     felt_n += share * (hand_.Load().stiff_n - felt_n);
     if (felt_n > options_.stop_force_n || hand_.yielded_m() > options_.stop_yield_m) return false;
     if (world_.physics().HandIsInside(options_.stop_depth_m)) return false;

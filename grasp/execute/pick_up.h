@@ -75,7 +75,7 @@ class PickUp {
   const ExecuteOptions& options_;
   const MotionListener& on_step_;
   int steps_ = 0;  // reported to on_step_
-  const Pose X_WG_;
+  Pose X_WG_;      // of the grasp, or where the approach ended since the hand held
   const double opening_m_;
   const std::vector<AxisAlignedBox> boxes_;  // of the hand at opening_m_, in G
   AttemptWorld world_;

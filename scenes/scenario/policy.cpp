@@ -57,7 +57,7 @@ void PolicySpec::Visit(SettingsVisitor& v) {
   v.Integer(
       "max_failures_at_place", max_failures_at_place, {0, 1000},
       "number of failed grasps at a place after which no grasp within 40 mm is executed until "
-      "the bin is stirred, 0 = no limit; only for planners without poses");
+      "the bin is stirred, 0 = no limit");
   v.Integer("picks_per_image", picks_per_image, {1, 100},
             "maximum number of picks after one image; only picks that cannot disturb each other");
   v.Text("ranking", ranking, {},

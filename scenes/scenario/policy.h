@@ -25,7 +25,6 @@ struct PolicySpec {
   int max_failures_in_row = 2;
   int max_attempts = 0;  // 0 = no limit
   // Failed grasps at a place after which no grasp there is executed until a stir; 0 = no limit.
-  // Only for planners without poses.
   int max_failures_at_place = 0;
   // Maximum number of picks after one image. Only picks that cannot disturb each other share an
   // image, see grasp/plan/image_picks.h. A failed pick is followed by a new image.

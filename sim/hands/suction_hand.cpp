@@ -25,6 +25,7 @@ class CupHand : public Hand, public AttachedHand {
   void MoveTo(const Pose& X_WG) override { target_WG_ = X_WG; }
   void HoldOpening(double) override;
   void Close() override { vacuum_on_ = true; }
+  bool HoldsOnContact() const override { return true; }
   double opening_m() const override { return spec_.bellows_travel_m - compression_m_; }
   Pose X_WG() const override { return X_WG_; }
   std::array<double, 2> ContactForces_n() const override { return forces_n_; }

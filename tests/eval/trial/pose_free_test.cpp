@@ -226,7 +226,7 @@ int FailuresBeforeAnother(const TrialResult& result) {
   int largest = 0;
   for (const AttemptRecord& attempt : result.attempts) {
     if (!attempt.grasp) continue;
-    largest = std::max(largest, memory.FailuresNear(*attempt.grasp));
+    largest = std::max(largest, memory.FailuresNear(*attempt.grasp, {}));
     memory.Remember(*attempt.grasp, nullptr, attempt.outcome);
   }
   return largest;
@@ -236,12 +236,29 @@ TEST(PoseFreeTrial, CountsFailuresNearTheHand) {
   GraspMemory memory;
   memory.Remember(GraspAt(0), nullptr, {});
   memory.Remember(GraspAt(0.02), nullptr, {});
-  EXPECT_EQ(memory.FailuresNear(GraspAt(0.01)), 2);
-  EXPECT_EQ(memory.FailuresNear(GraspAt(0.05)), 1);
-  EXPECT_EQ(memory.FailuresNear(GraspAt(0.1)), 0);
-  Grasp with_pose = GraspAt(0.01);
-  with_pose.hypothesis = 0;
-  EXPECT_EQ(memory.FailuresNear(with_pose), 0);
+  EXPECT_EQ(memory.FailuresNear(GraspAt(0.01), {}), 2);
+  EXPECT_EQ(memory.FailuresNear(GraspAt(0.05), {}), 1);
+  EXPECT_EQ(memory.FailuresNear(GraspAt(0.1), {}), 0);
+}
+
+// With poses, the place is that of the object, wherever the hand grasps it.
+TEST(PoseFreeTrial, CountsFailuresNearThePoseOfTheSameObject) {
+  const auto at = [](int object, double x_m) {
+    return EstimatedPose{ObjectId{object}, Translation({x_m, 0, 0}), 1};
+  };
+  GraspMemory memory;
+  const EstimatedPose failed = at(0, 0);
+  memory.Remember(GraspAt(0), &failed, {});
+  const std::vector<EstimatedPose> poses{at(0, 0.03), at(0, 0.05), at(1, 0.03)};
+  const auto near = [&](int hypothesis) {
+    Grasp grasp = GraspAt(0.2);
+    grasp.hypothesis = hypothesis;
+    return memory.FailuresNear(grasp, poses);
+  };
+  EXPECT_EQ(near(0), 1);
+  EXPECT_EQ(near(1), 0);
+  EXPECT_EQ(near(2), 0);
+  EXPECT_EQ(memory.FailuresNear(GraspAt(0), poses), 0);
 }
 
 // The cube is too heavy to be lifted, so each grasp fails.

@@ -57,6 +57,19 @@ TEST(CupExecute, PalmAgainstTheWallIsACollision) {
   EXPECT_EQ(FailureName(pick(0.035)), FailureName(FailureReason::kNone));
 }
 
+// The vacuum is on during the approach, which ends where the lip seals. So an object that is higher
+// than planned, here by more than the travel of the bellows, is neither missed nor pushed.
+TEST(CupExecute, StopsWhereTheLipSeals) {
+  const SuctionCup cup = LoadedCup();
+  const ObjectSet boxes{BoxObject({0.06, 0.06, kHeight_m}, 0.3)};
+  Grasp grasp;
+  grasp.X_WG = FromAbove({0, 0, kHeight_m + 0.0006 - cup.cup.bellows_travel_m - 0.007});
+  const GraspOutcome outcome =
+      ExecuteGrasp(BoxesOnFloor({{0, 0}}, kHeight_m), boxes, grasp, cup, InstanceId{10}).outcome;
+  EXPECT_EQ(FailureName(outcome.failure), FailureName(FailureReason::kNone));
+  EXPECT_NEAR(outcome.final_opening_m, cup.cup.bellows_travel_m, 0.001);
+}
+
 // Beside the box the stem hits the floor, and the palm stays above it.
 TEST(CupExecute, StemAgainstTheFloorIsACollision) {
   const SuctionCup cup = LoadedCup();
