@@ -273,6 +273,8 @@ GraspExamples LoadGraspExamples(const std::filesystem::path& file, const std::st
     CheckInput(examples.image.size() == examples.success.size() &&
                    examples.inputs.size() == examples.success.size() * grasp::kSuccessInputs,
                "the file is damaged: its lists do not belong together");
+    CheckInput(std::ranges::all_of(examples.success, [](uint8_t value) { return value <= 1; }),
+               "a success is neither 0 nor 1");
     const auto is_finite = [](float value) { return std::isfinite(value); };
     CheckInput(std::ranges::all_of(examples.inputs, is_finite), "an input is not finite");
     return examples;

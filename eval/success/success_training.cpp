@@ -26,14 +26,13 @@ std::filesystem::path FileOf(const SuccessTrainingJob& job, int group) {
   return job.data_folder / fmt::format("group_{:04}.grasps", group);
 }
 
-// Returns the groups that have a file in a folder, in order.
-std::vector<int> GroupsIn(const std::filesystem::path& folder) {
+// Returns the groups that have a file in the folder, in order.
+std::vector<int> GroupsIn(const SuccessTrainingJob& job) {
   std::vector<int> groups;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    int group = 0, end = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(job.data_folder)) {
+    int group = 0;
     const std::string name = entry.path().filename();
-    if (std::sscanf(name.c_str(), "group_%d.grasps%n", &group, &end) == 1 &&
-        end == static_cast<int>(name.size())) {
+    if (std::sscanf(name.c_str(), "group_%d", &group) == 1 && FileOf(job, group) == entry.path()) {
       groups.push_back(group);
     }
   }
@@ -47,6 +46,8 @@ bool MakeMissingExamples(const SuccessTrainingJob& job, const SuccessTrainingOpt
   int done = 0;
   for (int group = options.first_group; group < options.first_group + options.groups; ++group) {
     if (std::filesystem::exists(FileOf(job, group))) {
+      // A file that does not fit is refused before the other groups are made, which takes hours.
+      LoadGraspExamples(FileOf(job, group), ExamplesKey(group, options.examples));
       ++done;
     } else {
       plan.items.push_back(group);
@@ -83,7 +84,9 @@ SuccessNetwork Fit(const std::vector<const GraspExamples*>& groups,
     all.values.insert(all.values.end(), group->inputs.begin(), group->inputs.end());
     all.label.insert(all.label.end(), group->success.begin(), group->success.end());
   }
-  FittedPerceptron fitted = FitPerceptron(all, options.perceptron, options.seed);
+  PerceptronOptions perceptron = options.perceptron;
+  perceptron.max_input = SuccessNetwork::kMaxInput;
+  FittedPerceptron fitted = FitPerceptron(all, perceptron, options.seed);
   SuccessNetwork network{{}, std::move(fitted.mean), std::move(fitted.scale), {}};
   for (FittedPerceptron::Layer& layer : fitted.layers) {
     network.layers.push_back({std::move(layer.weights), std::move(layer.bias)});
@@ -178,7 +181,7 @@ SuccessTrainingReport TrainSuccessNetwork(const SuccessTrainingJob& job,
   SuccessTrainingReport report;
   if (!MakeMissingExamples(job, options)) return report;
   std::vector<PredictedGroup> groups;
-  for (const int group : GroupsIn(job.data_folder)) {
+  for (const int group : GroupsIn(job)) {
     const int index = group - options.first_group;
     const bool is_asked = index >= 0 && index < options.groups;
     const std::string key = is_asked ? ExamplesKey(group, options.examples) : "";

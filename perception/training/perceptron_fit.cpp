@@ -55,7 +55,6 @@ void PerceptronOptions::Visit(SettingsVisitor& v) {
   v.Real("weight_decay", weight_decay, {0, 1}, "weight decay of AdamW");
   v.Real("dropout", dropout, {0, 0.95}, "share of the hidden units that a step leaves out");
   v.Real("input_dropout", input_dropout, {0, 0.95}, "share of the inputs that a step leaves out");
-  v.Real("max_input", max_input, {0.1, 100}, "limit of the standardised inputs");
 }
 
 FittedPerceptron FitPerceptron(const PerceptronExamples& examples, const PerceptronOptions& options,

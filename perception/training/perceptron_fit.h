@@ -21,7 +21,9 @@ struct PerceptronOptions {
   double weight_decay = 0.01;
   double dropout = 0.4;        // share of the hidden units that a step leaves out
   double input_dropout = 0.2;  // share of the inputs that a step leaves out
-  double max_input = 4;        // limit of the standardised inputs
+  // Limit of the standardised inputs. Not a setting: the program that uses the fit must apply the
+  // same limit.
+  double max_input = 4;
   void Visit(SettingsVisitor& v);
 };
 

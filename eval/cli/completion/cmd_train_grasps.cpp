@@ -82,11 +82,13 @@ int TrainGraspsCommand(int argc, char** argv) {
       "(clutter_unseen). Ctrl-C keeps the finished groups of bins; the same command continues.",
       "pickbed train grasps");
   TrainGraspsArguments arguments;
-  app.add_option("--data", arguments.data_folder, "folder for the executed grasps")
+  app.add_option("--data", arguments.data_folder,
+                 "folder for the executed grasps; all groups in it are used")
       ->capture_default_str();
   app.add_option("--out", arguments.model_file, "model file to write")->capture_default_str();
   app.add_option("--groups", arguments.training.groups,
                  "number of groups of bins; half of them are deep bins")
+      ->check(CLI::Range(4, 10000))
       ->capture_default_str();
   app.add_option("--jobs", arguments.jobs, "processes that execute grasps")
       ->check(CLI::Range(1, 1024))

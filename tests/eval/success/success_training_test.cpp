@@ -9,6 +9,7 @@
 #include "scenes/base/files.h"
 #include "scenes/base/math.h"
 #include "scenes/base/random.h"
+#include "scenes/base/settings.h"
 #include "tests/support/error_of.h"
 #include "tests/support/layer.h"
 #include "tests/support/temporary_folder.h"
@@ -96,6 +97,48 @@ TEST(SuccessTraining, EqualExamplesGiveEqualFiles) {
   job.jobs = 2;
   TrainSuccessNetwork(job, SmallOptions());
   EXPECT_EQ(ReadFileBytes(job.model_file), first);
+}
+
+// The network applies one limit to its inputs, so the fit must use the same one.
+TEST(SuccessTraining, TheFitUsesTheInputLimitOfTheNetwork) {
+  const TemporaryFolder folder;
+  const SuccessTrainingJob job = JobIn(folder);
+  SuccessTrainingOptions options = SmallOptions();
+  WriteGroups(job.data_folder, options);
+  TrainSuccessNetwork(job, options);
+  const std::string bytes = ReadFileBytes(job.model_file);
+  options.perceptron.max_input = 0.5;
+  TrainSuccessNetwork(job, options);
+  EXPECT_EQ(ReadFileBytes(job.model_file), bytes);
+  EXPECT_THAT(ErrorOf([&] {
+                ApplySetting("perceptron.max_input=0.5",
+                             [&](SettingsVisitor& v) { options.Visit(v); });
+              }),
+              HasSubstr("max_input"));
+}
+
+TEST(SuccessTraining, RefusesAFileOfOtherSettingsBeforeItMakesGroups) {
+  const TemporaryFolder folder;
+  SuccessTrainingJob job = JobIn(folder);
+  SuccessTrainingOptions options = SmallOptions();
+  WriteGroups(job.data_folder, options);
+  std::filesystem::remove(job.data_folder / "group_0000.grasps");
+  options.examples.best += 1;
+  bool makes_groups = false;
+  job.stop = [&] { return makes_groups = true; };
+  EXPECT_THAT(ErrorOf([&] { TrainSuccessNetwork(job, options); }), HasSubstr("group_0001.grasps"));
+  EXPECT_FALSE(makes_groups);
+}
+
+// Such a file is a copy, whose grasps would count twice.
+TEST(SuccessTraining, AFileWithAnotherNameIsNoGroup) {
+  const TemporaryFolder folder;
+  const SuccessTrainingJob job = JobIn(folder);
+  WriteGroups(job.data_folder, SmallOptions());
+  for (const char* name : {"group_3.grasps", "group_0003.grasps.old"}) {
+    std::filesystem::copy_file(job.data_folder / "group_0003.grasps", job.data_folder / name);
+  }
+  EXPECT_EQ(TrainSuccessNetwork(job, SmallOptions()).grasps, 1600);
 }
 
 TEST(SuccessTraining, RefusesExamplesOfOtherSettingsAndDamagedOnes) {
