@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "eval/shapes/completion_choice.h"
 #include "perception/completion/segment_window.h"
 #include "perception/segments/segment_cover.h"
 #include "scenes/base/error.h"
@@ -16,9 +17,7 @@ using Eigen::Vector3d;
 
 std::unique_ptr<perception::ShapeCompleter> CompleterFor(const std::string& completion) {
   if (completion == kTrueShapes) return nullptr;
-  perception::CompletionOptions options;
-  options.method = completion;
-  return perception::MakeCompleter(options);
+  return perception::MakeCompleter(CompletionNamed(completion));
 }
 
 std::optional<KnownBackground> BackgroundOf(const grasp::PlannerInput& input) {

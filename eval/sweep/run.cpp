@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "eval/runtime/results_folder.h"
+#include "eval/shapes/completion_choice.h"
 #include "eval/store/results_store.h"
 #include "eval/summary/run_csv.h"
 #include "eval/sweep/run_images.h"
@@ -14,8 +15,6 @@
 #include "grasp/plan/plan.h"
 #include "grasp/planners/table.h"
 #include "grasp/tolerance/tolerance_ranking.h"
-#include "perception/completion/completion_file.h"
-#include "perception/completion/shape_completer.h"
 #include "perception/estimators/estimator_training.h"
 #include "perception/estimators/pose_estimator.h"
 #include "perception/estimators/process.h"
@@ -86,24 +85,25 @@ std::string ProgramText(const ScenarioSpec& spec, const std::string& role,
   return text;
 }
 
-// Returns the hash of the model that completes the shapes for a planner; empty if it reads none.
-std::string CompletionText(const PlannerSpec& spec, const PlannerRow& planner) {
-  const CompletionOptions options;  // the default method is the only one with a model
-  const std::string method = planner.completion != nullptr ? planner.completion : spec.completion;
-  if (!planner.needs_shapes || method != options.method) return "";
-  const std::filesystem::path file = TrainedFile(options.model);
-  if (!std::filesystem::exists(file)) return "";  // the planner reports this with a remedy
+// Returns the hash of a model file; empty if it does not exist, which the trial reports with a
+// remedy.
+std::string ModelText(const char* what, const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) return "";
   const std::string bytes = ReadFileBytes(file);
-  return fmt::format("# completion {:016x}\n", HashBytes(bytes.data(), bytes.size()));
+  return fmt::format("# {} {:016x}\n", what, HashBytes(bytes.data(), bytes.size()));
 }
 
-// Returns the hash of the network that rates the grasps of a planner; empty if it reads none.
-std::string SuccessModelText(const PlannerSpec& spec, const PlannerRow& planner) {
-  if (!planner.needs_shapes || spec.success_model == kNoSuccessModel) return "";
-  const std::filesystem::path file = TrainedFile(spec.success_model);
-  if (!std::filesystem::exists(file)) return "";  // the trial reports this with a remedy
-  const std::string bytes = ReadFileBytes(file);
-  return fmt::format("# success model {:016x}\n", HashBytes(bytes.data(), bytes.size()));
+// Returns the hashes of the models that a planner on completed shapes reads.
+std::string ShapeModelsText(const PlannerSpec& spec, const PlannerRow& planner) {
+  if (!planner.needs_shapes) return "";
+  std::string text;
+  const auto completion =
+      ModelFileOf(planner.completion != nullptr ? planner.completion : spec.completion);
+  if (completion) text += ModelText("completion", *completion);
+  if (spec.success_model != kNoSuccessModel) {
+    text += ModelText("success model", TrainedFile(spec.success_model));
+  }
+  return text;
 }
 
 constexpr char kOwnGraspsText[] = "# grasps chosen by a caller\n";
@@ -185,8 +185,10 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
   if (spec.planner.name.starts_with("process")) {
     text += ProgramText(spec, "planner", spec.planner);
   }
-  text += CompletionText(spec.planner, planner);
-  text += SuccessModelText(spec.planner, planner);
+  text += ShapeModelsText(spec.planner, planner);
+  if (ModelFileOf(spec.estimator.completion)) {
+    text += ModelText("completion of the estimator", TrainedFile(spec.estimator.completion_model));
+  }
   text += ToleranceRankingText(spec);
   if (truth != OracleStages()) text += GroundTruthText(truth);
   return text;

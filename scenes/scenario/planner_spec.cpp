@@ -19,8 +19,8 @@ void PlannerSpec::Visit(SettingsVisitor& v) {
       "completed and skirt");
   v.Text(
       "completion", completion, {},
-      "method that completes the shapes of objects, or truth for the true shapes; only for planner "
-      "completed");
+      "method that completes the shapes of objects, model file of `pickbed train completion`, or "
+      "truth for the true shapes; only for planner completed");
   v.Text(
       "success_model", success_model, {},
       "network that estimates the chance of success of a jaw's grasp, a name in assets/models or "

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "eval/shapes/completion_choice.h"
 #include "eval/shapes/segment_shapes.h"
 #include "eval/sweep/run.h"
 #include "eval/trial/trial.h"
@@ -15,6 +16,7 @@
 namespace pickbed::tests {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -78,8 +80,46 @@ TEST(CompletedShapes, TheModelIsPartOfTheIdentityOfARun) {
   EXPECT_THAT(identity("network"), HasSubstr("\n# completion "));
   EXPECT_THAT(identity("skirt"), Not(HasSubstr("# completion ")));
   EXPECT_THAT(identity(kTrueShapes), Not(HasSubstr("# completion ")));
+  EXPECT_THAT(identity("vae"), HasSubstr("\n# completion "));
   spec.planner.name = "skirt";
   EXPECT_THAT(identity("network"), Not(HasSubstr("# completion ")));
+}
+
+// The same path with another content is another model.
+TEST(CompletedShapes, AnotherModelInTheSameFileIsAnotherIdentity) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "a.net";
+  ScenarioSpec spec = CubeScenario(2);
+  const auto changes = [&] {
+    WriteFileAtomically(file, "first");
+    const std::string first = RunIdentity(spec, EasyCube());
+    WriteFileAtomically(file, "second");
+    return RunIdentity(spec, EasyCube()) != first;
+  };
+  spec.planner.completion = file;
+  EXPECT_FALSE(changes()) << "planner poses reads none";
+  spec.planner.name = "completed";
+  EXPECT_TRUE(changes());
+  spec = CubeScenario(2);
+  spec.estimator.completion_model = file;
+  EXPECT_FALSE(changes()) << "no method reads it";
+  spec.estimator.completion = "network";
+  EXPECT_TRUE(changes());
+}
+
+// A model that was trained with `pickbed train completion` completes the shapes of a planner.
+TEST(CompletedShapes, AModelFileIsAMethod) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "mine.net";
+  std::filesystem::copy_file(AssetsDir() / "models/completion.net", file);
+  EXPECT_EQ(CompletionNamed(file).method, "network");
+  EXPECT_EQ(CompletionNamed(file).model, file);
+  const TrialResult own = RunOnShapes("completed", file);
+  const TrialResult shipped = RunOnShapes("completed", "network");
+  ASSERT_FALSE(own.attempts.empty());
+  EXPECT_EQ(own.attempts.front().hashes, shipped.attempts.front().hashes);
+  EXPECT_THAT(ErrorOf([&] { RunOnShapes("completed", folder.path() / "none.net"); }),
+              AllOf(HasSubstr("planner.completion"), HasSubstr("none.net")));
 }
 
 // The same path with another content is another network.
