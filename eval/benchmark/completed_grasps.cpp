@@ -13,8 +13,9 @@
 namespace pickbed::eval {
 namespace {
 
-void SetPlanner(const std::string& name, ScenarioSpec& spec) {
+void SetPlanner(const std::string& name, const std::string& completion, ScenarioSpec& spec) {
   spec.planner.name = name;
+  spec.planner.completion = completion;
   if (name != kTrueShapes) return;
   spec.planner.name = "completed";
   spec.planner.completion = kTrueShapes;
@@ -32,12 +33,25 @@ void RequirePlanners(const std::vector<std::string>& planners) {
   }
 }
 
+// Checks the options and returns the scenario with its pool.
+LoadedScenario LoadedPool(const CompletedGraspsOptions& options) {
+  RequirePlanners(options.planners);
+  CheckInput(options.single + options.bins > 0, "no bins to pick; ask for single drops or bins");
+  ScenarioRequest request;
+  request.scenario = options.scenario;
+  LoadedScenario scenario = FindScenario(request);
+  CheckInput(scenario.spec.draw > 0,
+             fmt::format("scenario {} draws no objects from a pool; choose one with draw",
+                         options.scenario));
+  return scenario;
+}
+
 // The scenario of a condition: a bin with one drawn shape and a single attempt, or the bins.
 ScenarioSpec SpecOf(const std::string& condition, const ScenarioSpec& scenario,
-                    const std::string& planner, uint64_t seed) {
+                    const std::string& planner, const CompletedGraspsOptions& options) {
   ScenarioSpec spec = scenario;
-  spec.seed = seed;
-  SetPlanner(planner, spec);
+  spec.seed = options.seed;
+  SetPlanner(planner, options.completion, spec);
   if (condition == kGraspConditions[0]) {
     spec.draw = 1;
     spec.policy.max_attempts = 1;
@@ -100,15 +114,11 @@ void AddTrial(const TrialResult& trial, const std::vector<std::string>& names,
   }
 }
 
+void CheckCompletedGrasps(const CompletedGraspsOptions& options) { LoadedPool(options); }
+
 CompletedGrasps RunCompletedGrasps(const CompletedGraspsOptions& options,
                                    const std::function<bool(int done, int total)>& on_progress) {
-  RequirePlanners(options.planners);
-  ScenarioRequest request;
-  request.scenario = options.scenario;
-  const LoadedScenario scenario = FindScenario(request);
-  CheckInput(scenario.spec.draw > 0,
-             fmt::format("scenario {} draws no objects from a pool; choose one with draw",
-                         options.scenario));
+  const LoadedScenario scenario = LoadedPool(options);
   std::vector<std::string> names;
   for (const ObjectSpec& object : scenario.spec.objects) names.push_back(object.name);
   CompletedGrasps grasps;
@@ -124,7 +134,7 @@ CompletedGrasps RunCompletedGrasps(const CompletedGraspsOptions& options,
     std::vector<std::unique_ptr<TrialRunner>> runners;
     for (const std::string& planner : options.planners) {
       runners.push_back(std::make_unique<TrialRunner>(
-          SpecOf(condition, scenario.spec, planner, options.seed), scenario.objects));
+          SpecOf(condition, scenario.spec, planner, options), scenario.objects));
     }
     // All planners pick a bin before the next one, so an interrupted benchmark is paired.
     for (int bin = 0; bin < (is_single ? options.single : options.bins); ++bin) {

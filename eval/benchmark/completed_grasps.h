@@ -24,6 +24,7 @@ struct CompletedGraspsOptions {
   // Rows of the table: planners without poses, or kTrueShapes for the planner `completed` with the
   // true shapes. The first is the reference.
   std::vector<std::string> planners{"completed", "skirt", "cloud_antipodal", kTrueShapes};
+  std::string completion = "network";       // of planner completed: a method or a model file
   std::string scenario = "clutter_unseen";  // name or file; its bins draw from a pool of shapes
   int single = 40;                          // drops of a single shape
   int bins = 20;
@@ -48,9 +49,12 @@ inline constexpr const char* kGraspConditions[] = {"single", "bins"};
 void AddTrial(const TrialResult& trial, const std::vector<std::string>& names,
               std::map<std::string, ShapeGrasps>& shapes);
 
+// Throws InputError for an unknown or repeated planner, a planner on poses, a scenario without a
+// pool, and without any bin.
+void CheckCompletedGrasps(const CompletedGraspsOptions& options);
+
 // `on_progress` gets the number of trials done and of all; false stops it, and the result has the
-// trials so far. Throws InputError for an unknown or repeated planner, a planner on poses, and a
-// scenario without a pool.
+// trials so far. Throws as CheckCompletedGrasps().
 CompletedGrasps RunCompletedGrasps(const CompletedGraspsOptions& options,
                                    const std::function<bool(int done, int total)>& on_progress);
 

@@ -8,6 +8,7 @@
 #include "eval/estimate/statistics.h"
 #include "eval/stats/paired_tests.h"
 #include "eval/summary/run_summary.h"
+#include "perception/completion/shape_completer.h"
 #include "scenes/base/error.h"
 #include "scenes/scenario/find_scenario.h"
 
@@ -160,11 +161,26 @@ std::vector<ComparedRow> ComparedRound(const RecognitionOptions& options, const 
 
 }  // namespace
 
-Recognition RunRecognition(const RecognitionOptions& options,
-                           const std::function<bool(int done, int total)>& on_progress) {
+void CheckRecognition(const RecognitionOptions& options) {
   const std::set<std::string> distinct(options.completions.begin(), options.completions.end());
   CheckInput(options.completions.size() >= 2 && distinct.size() == options.completions.size(),
-             "name at least two different completions");
+             "name at least two completions, and each only once");
+  std::vector<std::string> known{kNoCompletion};
+  for (const auto& row : perception::CompleterTable()) known.push_back(row.name);
+  for (const std::string& completion : options.completions) {
+    CheckInput(std::ranges::find(known, completion) != known.end(),
+               UnknownNameMessage("completion method", completion, known));
+  }
+  for (const std::string& name : options.scenarios) {
+    ScenarioRequest request;
+    request.scenario = name;
+    FindScenario(request);
+  }
+}
+
+Recognition RunRecognition(const RecognitionOptions& options,
+                           const std::function<bool(int done, int total)>& on_progress) {
+  CheckRecognition(options);
   Recognition recognition;
   recognition.completions = options.completions;
   const int total = options.bins * static_cast<int>(options.scenarios.size());

@@ -40,8 +40,11 @@ struct Recognition {
   std::vector<RecognitionBin> bins;      // of a bin in the order of the completions
 };
 
+// Throws InputError for unknown names and repeated completions.
+void CheckRecognition(const RecognitionOptions& options);
+
 // `on_progress` gets the number of bins done and of all; false stops it, and the result has the
-// bins so far. Throws InputError for unknown names and repeated completions.
+// bins so far. Throws as CheckRecognition().
 Recognition RunRecognition(const RecognitionOptions& options,
                            const std::function<bool(int done, int total)>& on_progress);
 

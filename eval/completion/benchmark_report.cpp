@@ -95,6 +95,10 @@ TableCells CalibrationTable(const CompletionBenchmark& benchmark) {
   return table;
 }
 
+std::string SkippedText(const std::string& set) {
+  return fmt::format("set {0} is skipped: give --data a folder with a folder {0} of meshes", set);
+}
+
 std::string TableCsv(const CompletionBenchmark& benchmark) {
   std::string csv = HeaderLine(CompletionTableColumns());
   for (const std::string& method : benchmark.methods) {
@@ -222,7 +226,7 @@ std::string CompletionTableText(const CompletionBenchmark& benchmark) {
     }
   }
   for (const std::string& set : benchmark.skipped_sets) {
-    text += fmt::format("set {} is skipped: the data folder has no such meshes\n", set);
+    text += fmt::format("{}\n", SkippedText(set));
   }
   return text;
 }
@@ -245,7 +249,7 @@ void AddCompletionBenchmark(const std::filesystem::path& folder,
                         : "the level with the largest expected IoU of each completion",
       options.views));
   for (const std::string& set : benchmark.skipped_sets) {
-    page.Note(fmt::format("Set {} is skipped: the data folder has no such meshes.", set));
+    page.Note(fmt::format("Note: {}.", SkippedText(set)));
   }
   for (const MeasureColumn& measure : kMeasures) {
     page.Heading(measure.heading);
@@ -274,14 +278,15 @@ void AddCompletionBenchmark(const std::filesystem::path& folder,
   page.Table(seconds);
   page.Heading("Gallery of " + benchmark.methods.front());
   for (const auto& [set, tiles] : benchmark.gallery) {
-    const Image<Rgb8> sheet = DrawCompletions(tiles);
+    const Image<Rgb8> sheet = DrawCompletions(tiles, static_cast<float>(options.level));
     if (sheet.empty()) continue;
     page.Subheading(set);
     const std::string file = "gallery_" + set + ".png";
     WritePng(folder / file, sheet);
-    page.WidePicture(file,
-                     "depth with the segment, the completion from the camera and from its side, "
-                     "the truth from the camera and from its side");
+    page.WidePicture(
+        file,
+        "depth with the segment (occluders are orange), the completion from the camera "
+        "and from its side, the truth from the camera and from its side");
   }
 }
 

@@ -90,13 +90,13 @@ Image<Rgb8> DrawVolume(const CompletedVolume& volume, float level, bool from_sid
   return picture;
 }
 
-Image<Rgb8> DrawCompletions(const std::vector<CompletionTile>& tiles) {
+Image<Rgb8> DrawCompletions(const std::vector<CompletionTile>& tiles, float fixed_level) {
   std::vector<Image<Rgb8>> rows;
   std::vector<std::string> captions;
   for (const CompletionTile& tile : tiles) {
     Canvas canvas(5 * kTile_px + 8, kTile_px, kPaper);
     canvas.Paste(DrawSegment(tile.view, kTile_px), 0, 0);
-    const float level = perception::LevelForIou(tile.completed);
+    const float level = fixed_level > 0 ? fixed_level : perception::LevelForIou(tile.completed);
     canvas.Paste(DrawVolume(tile.completed, level, false, kTile_px), kTile_px + 2, 0);
     canvas.Paste(DrawVolume(tile.completed, level, true, kTile_px), 2 * kTile_px + 4, 0);
     canvas.Paste(DrawVolume(tile.truth, kDrawnTruth, false, kTile_px), 3 * kTile_px + 6, 0);

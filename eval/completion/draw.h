@@ -27,7 +27,8 @@ struct CompletionTile {
   CompletedVolume truth;
 };
 // Draws a line of pictures for each: depth, completion from the camera and from the side, truth
-// from the camera and from the side.
-Image<Rgb8> DrawCompletions(const std::vector<CompletionTile>& tiles);
+// from the camera and from the side. Cells of a completion above `fixed_level` are full; 0 =
+// perception::LevelForIou() of each.
+Image<Rgb8> DrawCompletions(const std::vector<CompletionTile>& tiles, float fixed_level = 0);
 
 }  // namespace pickbed::eval

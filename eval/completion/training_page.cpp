@@ -145,9 +145,10 @@ std::string WriteCompletionTrainingPage(const std::filesystem::path& folder,
     html.Heading(s.title);
     const std::string file = std::string("completions_") + s.name + ".png";
     WritePng(folder / file, sheet);
-    html.WidePicture(file,
-                     "depth with the segment, the completion from the camera and from its side, "
-                     "the truth from the camera and from its side; colours show depth");
+    html.WidePicture(
+        file,
+        "depth with the segment (occluders are orange), the completion from the camera "
+        "and from its side, the truth from the camera and from its side");
   }
   html.Heading("Settings");
   html.Preformatted(page.settings);

@@ -15,6 +15,7 @@
 #include "eval/page/html.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
+#include "perception/completion_networks/network_options.h"
 #include "scenes/base/files.h"
 
 namespace pickbed::eval {
@@ -49,6 +50,10 @@ std::function<bool(int, int)> Shown(ProgressLine& progress, std::string what) {
 }
 
 int RunBenchmark(const BenchmarkRequest& request) {
+  // A mistake in the options of a later table is reported before the first one, which takes
+  // minutes.
+  if (request.Has(kRecognitionTables)) CheckRecognition(request.recognition);
+  if (request.Has(kGraspTables)) CheckCompletedGrasps(request.grasps);
   const std::filesystem::path folder = OutFolder(request.out, "completion");
   MakeFolder(folder);
   CatchInterrupts();
@@ -194,7 +199,13 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
   if (options.methods.empty()) options.methods = MethodsWith(options.models);
   if (options.sets.empty()) options.sets = TestSetNames();
   options.data_folder = data;
-  request.recognition.model = options.models.front();
+  if (request.Has(kRecognitionTables) || request.Has(kGraspTables)) {
+    const std::string model = ModelOfKind(options.models, CompletionNetworkOptions().kind);
+    if (!model.empty()) {
+      request.recognition.model = model;
+      request.grasps.completion = TrainedFile(model);
+    }
+  }
   return RunBenchmark(request);
 }
 

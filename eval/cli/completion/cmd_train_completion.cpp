@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -52,7 +53,17 @@ void PrintQuality(const CompletionReport& report) {
   }
 }
 
+// A name given twice would have twice the weight in the training.
+void RequireDifferent(const char* option, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    CheckInput(std::ranges::count(names, name) == 1,
+               fmt::format("{}: {} is given twice; give it once", option, name));
+  }
+}
+
 int Train(const TrainCompletionArguments& arguments) {
+  RequireDifferent("--domain", arguments.domains);
+  RequireDifferent("--sensor", arguments.sensors);
   const std::filesystem::path model_file = arguments.model_file;
   const std::filesystem::path checkpoint = model_file.string() + ".checkpoint";
   CheckInput(
@@ -104,8 +115,9 @@ int Train(const TrainCompletionArguments& arguments) {
       WriteCompletionTrainingPage(folder, {model_file, job, arguments.training, report, in_force}));
   std::filesystem::remove(checkpoint);
   fmt::print("report: {}\n", (has_page ? folder / kIndexPage : folder).string());
-  fmt::print("wrote {} ({} bytes) after {}\n", model_file.string(),
-             std::filesystem::file_size(model_file), FormatDuration(report.seconds));
+  fmt::print("wrote {} ({} bytes) after {}\nuse it with --set planner.completion={}\n",
+             model_file.string(), std::filesystem::file_size(model_file),
+             FormatDuration(report.seconds), model_file.string());
   return 0;
 }
 

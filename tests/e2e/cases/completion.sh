@@ -19,6 +19,8 @@ completion_training_resumes_after_a_kill() {
   refused "no whole.net.checkpoint to resume from" "$pickbed" train completion --resume --out whole.net
   refused "did you mean 'machine'" "$pickbed" train completion --domain machin --out other.net
 
+  refused "machine is given twice" "$pickbed" train completion --domain machine,machine --out other.net
+
   local few=(--small --sets unseen_families,ycb --methods network,skirt)
   expect 0 "$pickbed" benchmark completion "${few[@]}" --model "$work/whole.net" --out table
   grep -q "set ycb is skipped" last.out || fail "the missing data is not reported"
@@ -26,4 +28,9 @@ completion_training_resumes_after_a_kill() {
   head -c 1000 whole.net >short.net
   refused "short.net: the file is cut short" "$pickbed" benchmark completion "${few[@]}" --model "$work/short.net"
   refused "did you mean 'skirt'" "$pickbed" benchmark completion --small --methods skrit
+  local later=(--small --sets catalog --methods skirt --out later)
+  refused "unknown planner 'skrit'" "$pickbed" benchmark completion "${later[@]}" --tables shapes,grasp --planners skrit
+  refused "unknown completion method 'skrit'" "$pickbed" benchmark completion "${later[@]}" \
+    --tables shapes,recognition --completions none,skrit
+  [ ! -e later ] || fail "the first tables were made before the options of the later ones were read"
 }

@@ -116,6 +116,9 @@ TEST(CompletedGrasps, RefusesPlannersOnPosesRepeatedPlannersAndScenariosWithoutA
   options.planners = {"skirt", "skirt"};
   EXPECT_THAT(error_of(options), HasSubstr("each only once"));
   options.planners = {"skirt"};
+  options.single = options.bins = 0;
+  EXPECT_THAT(error_of(options), HasSubstr("no bins"));
+  options.bins = 1;
   options.scenario = "clutter";
   EXPECT_THAT(error_of(options), HasSubstr("draws no objects from a pool"));
 }

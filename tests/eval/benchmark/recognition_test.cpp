@@ -69,7 +69,9 @@ TEST(Recognition, RefusesOneCompletionUnknownScenariosAndMethods) {
   options.scenarios = {"deep_rd"};
   EXPECT_THAT(error_of(options), HasSubstr("deep_rd"));
   options.completions = {"none", "none"};
-  EXPECT_THAT(error_of(options), HasSubstr("two different completions"));
+  EXPECT_THAT(error_of(options), HasSubstr("at least two completions"));
+  options.completions = {"none", "skrit"};
+  EXPECT_THAT(error_of(options), HasSubstr("'skirt'"));
 }
 
 }  // namespace
