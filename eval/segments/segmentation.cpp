@@ -32,6 +32,8 @@ class Runner {
       for (const auto& row : perception::SegmenterTable()) rows_.push_back({row.name, {}});
     }
     for (const std::string& name : options.methods) {
+      CheckInput(std::ranges::count(options.methods, name) == 1,
+                 fmt::format("method '{}' is given twice; give it once", name));
       rows_.push_back({perception::SegmenterNamed(name).name, {}});
     }
     if (!options.pictures.empty()) MakeFolder(options.pictures);

@@ -15,8 +15,10 @@ namespace {
 // Statistics of one method over all images.
 struct Statistics {
   int images = 0;
+  int labelled_images = 0;  // with an instance
   ReportRate recall_50, recall_75, precision_50, precision_75;
-  double weighted_overlap = 0, over = 0, under = 0, under_error = 0;  // means over images
+  // Means over labelled images.
+  double weighted_overlap = 0, over = 0, under = 0, under_error = 0;
   double segments = 0;  // mean segments of a counted instance that is found at all
   double seconds = 0;   // mean
 };
@@ -24,6 +26,8 @@ struct Statistics {
 Statistics StatisticsOf(const SegmentationRow& row) {
   Statistics s;
   s.images = static_cast<int>(row.images.size());
+  s.labelled_images = static_cast<int>(std::ranges::count_if(
+      row.images, [](const SegmentedImage& image) { return !image.scores.instances.empty(); }));
   std::vector<Cluster> recall_50, recall_75, precision_50, precision_75;
   int pieces = 0, found = 0;
   for (const SegmentedImage& image : row.images) {
@@ -41,11 +45,12 @@ Statistics StatisticsOf(const SegmentationRow& row) {
     recall_75.push_back(of_75);
     precision_50.push_back({image.scores.matched_50, image.scores.segments});
     precision_75.push_back({image.scores.matched_75, image.scores.segments});
-    s.weighted_overlap += image.scores.weighted_overlap / s.images;
-    s.over += image.scores.over / s.images;
-    s.under += image.scores.under / s.images;
-    s.under_error += image.scores.under_error / s.images;
     s.seconds += image.seconds / s.images;
+    if (image.scores.instances.empty()) continue;
+    s.weighted_overlap += image.scores.weighted_overlap / s.labelled_images;
+    s.over += image.scores.over / s.labelled_images;
+    s.under += image.scores.under / s.labelled_images;
+    s.under_error += image.scores.under_error / s.labelled_images;
   }
   s.recall_50 = ClusterRate(recall_50);
   s.recall_75 = ClusterRate(recall_75);
@@ -98,7 +103,9 @@ std::string SegmentationTable(std::span<const SegmentationRow> rows) {
     }
     for (const NamedMean& mean : kMeans) {
       const double value = s.*mean.mean;
-      column.push_back(mean.is_share ? PercentNumber(value) : fmt::format("{:.2f}", value));
+      column.push_back(s.labelled_images == 0 ? "-"
+                       : mean.is_share        ? PercentNumber(value)
+                                              : fmt::format("{:.2f}", value));
     }
     column.push_back(fmt::format("{:.3f}", s.seconds));
   }
@@ -126,7 +133,9 @@ std::string SegmentationJson(std::span<const SegmentationRow> rows) {
       method[fmt::format("{}_samples", rate.key)] = value.samples;
       AddInterval(method, fmt::format("{}_ci95", rate.key), value.ci95);
     }
-    for (const NamedMean& mean : kMeans) method[mean.key] = s.*mean.mean;
+    for (const NamedMean& mean : kMeans) {
+      method[mean.key] = s.labelled_images > 0 ? nlohmann::ordered_json(s.*mean.mean) : nullptr;
+    }
     methods.push_back(std::move(method));
   }
   return nlohmann::ordered_json{{"methods", methods}}.dump(2) + "\n";

@@ -51,6 +51,12 @@ int SegmentCommand(int argc, char** argv) {
   if (!ParseArguments(app, argc, argv)) return 0;
   CheckInput(clouds.empty() != arguments.scenario.empty(),
              "give either a SCENARIO or --clouds, so that there are images to segment");
+  for (const char* of_scenario : {"--set", "--trials", "--catalog"}) {
+    CheckInput(clouds.empty() || app.count(of_scenario) == 0,
+               fmt::format("{} belongs to a SCENARIO; it does nothing with --clouds", of_scenario));
+  }
+  CheckInput(!clouds.empty() || app.count("--background-label") == 0,
+             "--background-label belongs to --clouds; it does nothing with a SCENARIO");
 
   CatchInterrupts();
   ProgressLine progress;

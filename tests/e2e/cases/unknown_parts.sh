@@ -20,6 +20,8 @@ segment_refuses_bad_input_in_one_line() {
   expect 1 "$pickbed" segment --clouds clouds --out bad
   grep -q "no \*.pcd" last.err || fail "an empty folder is not reported"
   expect 1 "$pickbed" segment small.yaml --set sensor=none --out bad
+  refused "belongs to a SCENARIO" "$pickbed" segment --clouds clouds --trials 3 --out bad
+  refused "belongs to --clouds" "$pickbed" segment small.yaml --background-label 3 --out bad
   [ ! -e bad ] || fail "a refused command made its folder"
 }
 

@@ -10,6 +10,7 @@
 namespace pickbed::tests {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -57,9 +58,24 @@ TEST(SegmentClouds, NeedsCloudsAndKnownMethods) {
   const auto go_on = [](int, int) { return true; };
   EXPECT_THAT(ErrorOf([&] { SegmentClouds(folder.path(), {}, go_on); }), HasSubstr("no *.pcd"));
   SegmentationOptions options;
+  options.methods = {"convexity", "convexity"};
+  EXPECT_THAT(ErrorOf([&] { SegmentBins(CubeScenario(1), EasyCube(), options, go_on); }),
+              HasSubstr("'convexity' is given twice"));
   options.methods = {"magic"};
   EXPECT_THAT(ErrorOf([&] { SegmentBins(CubeScenario(1), EasyCube(), options, go_on); }),
               HasSubstr("magic"));
+}
+
+// An image without instances has no overlap to average.
+TEST(SegmentationTable, LeavesOutImagesWithoutInstances) {
+  SegmentedImage empty{"empty", {}, 0.1}, labelled{"labelled", {}, 0.1};
+  labelled.scores.instances = {{1, 100, 0.8, 1, 1, 0.9, true}};
+  labelled.scores.weighted_overlap = 0.8;
+  EXPECT_THAT(SegmentationJson(std::vector{SegmentationRow{"a", {empty, labelled}}}),
+              HasSubstr("\"weighted_overlap\": 0.8,"));
+  const std::vector<SegmentationRow> none{{"a", {empty}}};
+  EXPECT_THAT(SegmentationJson(none), HasSubstr("\"weighted_overlap\": null"));
+  EXPECT_THAT(SegmentationTable(none), ContainsRegex("weighted overlap, % +-\n"));
 }
 
 // Published values of locally convex patches are near .89 on the whole database.
