@@ -29,8 +29,7 @@ namespace {
 constexpr int kMaxShapes = 10;
 // A cloud with more points makes a page slow.
 constexpr int kCloudStride_px = 2;
-// Cross sections of a shape, by probability.
-constexpr int kSectionPixel = 4;
+constexpr int kSectionPixel = 4;  // of a cell in a slice
 
 grasp::PlannerInput InputFor(const SimulatedCell& cell, const Observation& view) {
   const CellCalibration& calibration = view.calibration;
@@ -61,9 +60,26 @@ grasp::OccupancyShape Coarsened(grasp::OccupancyShape shape) {
   return shape;
 }
 
-// Largest probability along the columns of the cube: seen from the camera, and from its side.
+// Returns the index along an axis of the slice with the largest sum of probabilities. The middle
+// slice of the cube often misses a thin object.
+int FullestSlice(const grasp::OccupancyShape& shape, int axis) {
+  std::vector<double> sums(shape.size, 0);
+  for (int z = 0; z < shape.size; ++z) {
+    for (int y = 0; y < shape.size; ++y) {
+      for (int x = 0; x < shape.size; ++x) {
+        const int cell[3] = {x, y, z};
+        sums[cell[axis]] += shape.At(x, y, z);
+      }
+    }
+  }
+  return static_cast<int>(std::ranges::max_element(sums) - sums.begin());
+}
+
+// Draws two slices of the cube: across the view and, beside it, along it. A slice shows that
+// probabilities inside the outline are uncertain, too.
 Image<Rgb8> ProbabilityPicture(const grasp::OccupancyShape& shape) {
   const int n = shape.size;
+  const int across_z = FullestSlice(shape, 2), along_x = FullestSlice(shape, 0);
   constexpr int kGap = 2;  // cells
   Image<Rgb8> picture(kSectionPixel * (2 * n + kGap), kSectionPixel * n, {255, 255, 255});
   for (int row = 0; row < picture.height(); ++row) {
@@ -71,8 +87,7 @@ Image<Rgb8> ProbabilityPicture(const grasp::OccupancyShape& shape) {
       const int x = column / kSectionPixel, y = row / kSectionPixel;
       const bool from_side = x >= n + kGap;
       if (x >= n && !from_side) continue;
-      // The middle slice: uncertainty is inside of the outline, too.
-      const float p = from_side ? shape.At(n / 2, y, x - n - kGap) : shape.At(x, y, n / 2);
+      const float p = from_side ? shape.At(along_x, y, x - n - kGap) : shape.At(x, y, across_z);
       const auto shade = static_cast<uint8_t>(255 - 215 * p);
       picture(column, row) = {shade, static_cast<uint8_t>(255 - 150 * p), 255};
     }
@@ -154,8 +169,9 @@ ExplanationPage ExplainUnknown(const ScenarioSpec& spec, const ObjectSet& object
   page.WidePicture(segments_file.string(), fmt::format("{} segments", segments.segments.size()));
   page.Heading("Completed shapes");
   page.Paragraph(
-      "Middle slices of the completed cubes, across the view and along it. Dark cells are probably "
-      "inside the object, light ones possibly. The highest segment is first.");
+      "Two slices of each completed cube, across the view and along it, where the most matter is. "
+      "Dark cells are probably inside the object, light ones possibly. The highest segment is "
+      "first.");
   for (size_t i = 0; i < shapes.size(); ++i) {
     const std::filesystem::path file = pictures / fmt::format("shape_{:02}.png", i);
     WritePng(folder / file, ProbabilityPicture(shapes[i]));

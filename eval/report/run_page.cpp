@@ -130,8 +130,10 @@ void AddCharts(std::span<const ConfigurationReport> configurations, HtmlPage& pa
   } else {
     page.Note("These are many settings. Each has all of its charts in its own section below.");
   }
+  const bool has_poses = std::ranges::any_of(
+      configurations, [](const auto& report) { return report.summary.has_poses(); });
   std::vector<ReportChart> curves = VisibilityCharts(configurations);
-  if (configurations.size() == 1) curves.push_back(CalibrationChart(configurations));
+  if (has_poses && configurations.size() == 1) curves.push_back(CalibrationChart(configurations));
   // The attempts of an occlusion trial are separate scenes, in which no bin empties.
   const auto has_targets = [](const BandRates& band) { return band.targets.samples > 0; };
   if (configurations[0].attempt_ranges.size() > 1 &&
@@ -148,9 +150,11 @@ void AddCharts(std::span<const ConfigurationReport> configurations, HtmlPage& pa
   }
   page.Charts(curves);
   if (!has_bars) return;
-  page.Charts(ErrorCharts(configurations));
-  page.Charts(ErrorByBandCharts(configurations));
-  if (configurations.size() > 1) page.Chart(CalibrationChart(configurations));
+  if (has_poses) {
+    page.Charts(ErrorCharts(configurations));
+    page.Charts(ErrorByBandCharts(configurations));
+    if (configurations.size() > 1) page.Chart(CalibrationChart(configurations));
+  }
   page.Chart(SecondsChart(configurations));
 }
 

@@ -17,7 +17,7 @@ std::span<const ViewLayer> ViewLayers() {
   static constexpr std::array<ViewLayer, 7> kLayers{{
       {"truth", "true poses", "#cdcdd2"},
       {"hypothesis", "estimated poses, low to high confidence",
-       "linear-gradient(90deg, #f06c05, #ecece8, #40a0ff)"},
+       "linear-gradient(90deg, #f06c05, #ecece8, #40a0ff)", true},
       {"hand", "hand", "#3c424c"},
       {"completed", "completed segments, each in its color",
        "linear-gradient(90deg, #56b4e9, #e69f00, #009e73)", true},

@@ -6,6 +6,7 @@
 #include "eval/report/run_page.h"
 #include "eval/report/views_3d.h"
 #include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
@@ -72,6 +73,26 @@ TEST(ExplainUnknown, RefusesAPlannerOnPoses) {
     const auto page = ExplainUnknown(CubeScenario(1), EasyCube(), "", BinIndex(0), folder.path());
   });
   EXPECT_THAT(error, HasSubstr("completes no shapes"));
+}
+
+// A skirt is thin along the view, so the middle slice of the cube around it is empty.
+TEST(ExplainUnknown, ThePictureOfAThinShapeShowsIt) {
+  const TemporaryFolder folder;
+  const ExplanationPage page =
+      ExplainUnknown(SkirtScenario(), {Cube(0.05, 0.05, 0.6)}, "cubes", BinIndex(0), folder.path());
+  const Image<Rgb8> picture = ReadPng(folder.path() / "pictures" / "trial_0" / "shape_00.png");
+  const int side = picture.height();  // of the slice across the view, on the left
+  int dark = 0;
+  for (int y = 0; y < side; ++y) {
+    for (int x = 0; x < side; ++x) dark += picture(x, y).r < 128;
+  }
+  EXPECT_GT(dark, side * side / 10);
+}
+
+TEST(ViewHtml, HasASwitchForEstimatedPosesOnlyIfThereAreSome) {
+  EXPECT_THAT(ViewHtml({"a", "b", "{\"name\":\"truth 1\"}"}), Not(HasSubstr("hypothesis")));
+  EXPECT_THAT(ViewHtml({"a", "b", "{\"name\":\"hypothesis 1\"}"}),
+              HasSubstr("value=\"hypothesis\""));
 }
 
 TEST(ViewHtml, HasASwitchForCompletedSegmentsOnlyIfThereAreSome) {

@@ -29,19 +29,26 @@ class RunReportPageTest : public testing::Test {
                      [](const auto& place) { return std::filesystem::exists(place); })) {
       GTEST_SKIP() << "there is no page template";
     }
-    MakeFolder(run_);
-    const std::string scenario =
-        "seed: 17\nobjects: [{name: rod, count: 6}, {name: flange, count: 6}]\n";
-    WriteFileAtomically(run_ / kScenarioFile, scenario);
-    ResultsStore store(
-        run_,
-        {scenario, {{.name = "", .trials = kTrials, .identity = scenario, .settings = scenario}}});
-    for (int i = 0; i < kTrials; ++i) store.Write(StubTrial(i));
+    WriteRun(run_, StubTrials(kTrials));
     options_.views = 0;  // stub trials have no scenes
     options_.page_folder = temporary_.path();
   }
-  std::string Page() const {
-    return RunReportPage(ReadReportRun(run_), OpenCatalog("none"), options_);
+  static void WriteRun(const std::filesystem::path& folder,
+                       const std::vector<TrialResult>& trials) {
+    MakeFolder(folder);
+    const std::string scenario =
+        "seed: 17\nobjects: [{name: rod, count: 6}, {name: flange, count: 6}]\n";
+    WriteFileAtomically(folder / kScenarioFile, scenario);
+    ResultsStore store(folder, {scenario,
+                                {{.name = "",
+                                  .trials = static_cast<int>(trials.size()),
+                                  .identity = scenario,
+                                  .settings = scenario}}});
+    for (const TrialResult& trial : trials) store.Write(trial);
+  }
+  std::string Page() const { return PageOf(run_); }
+  std::string PageOf(const std::filesystem::path& folder) const {
+    return RunReportPage(ReadReportRun(folder), OpenCatalog("none"), options_);
   }
   std::filesystem::path PictureFile(int trial, const std::string& name) const {
     const std::filesystem::path folder = PicturesOf(run_, trial);
@@ -64,6 +71,24 @@ TEST_F(RunReportPageTest, DamagedPictureIsLeftOut) {
   const std::string page = Page();
   EXPECT_THAT(page, HasSubstr("damaged files are left out"));
   EXPECT_THAT(page, Not(HasSubstr("class=\"overlay\"")));
+}
+
+TEST_F(RunReportPageTest, ARunWithoutPosesHasNoChartsOfPoses) {
+  EXPECT_THAT(Page(), AllOf(HasSubstr("Pose error"), HasSubstr("Calibration of the confidence")));
+  std::vector<TrialResult> trials = StubTrials(kTrials);
+  for (TrialResult& trial : trials) {
+    for (AttemptRecord& attempt : trial.attempts) {
+      attempt.pose_free = true;
+      attempt.hypotheses.clear();
+      attempt.chosen = -1;
+    }
+  }
+  const std::filesystem::path run = temporary_.path() / "pose_free";
+  WriteRun(run, trials);
+  const std::string page = PageOf(run);
+  EXPECT_THAT(page, HasSubstr("Failed picks by reason"));
+  EXPECT_THAT(page, Not(HasSubstr("Pose error")));
+  EXPECT_THAT(page, Not(HasSubstr("Calibration of the confidence")));
 }
 
 TEST_F(RunReportPageTest, ThumbnailsAndScenarioAreLinkedRelativeToThePage) {
