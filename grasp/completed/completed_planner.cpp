@@ -188,7 +188,6 @@ void CompletedPlannerOptions::Visit(SettingsVisitor& v) {
          "probability from which a hand keeps out of a cell if no grasp is found otherwise");
   v.Real("wider_m", wider_m, {0, 0.1}, "step by which a jaw opens wider, m");
   v.Integer("max_wider", max_wider, {0, 100}, "number of steps by which a jaw opens wider");
-  v.Real("wide_share", wide_share, {0, 1}, "share of the score that each of these steps removes");
   v.Integer("max_candidates", max_candidates, {1, 100000},
             "number of candidates of an object for one jaw");
   v.Real("density_kgpm3", density_kgpm3, {1, 30000}, "assumed density of an object, kg/m3");
@@ -271,7 +270,6 @@ bool CompletedPlanner::PassesPossibleMatter(const ObstacleField& possible, Grasp
     if (!opening_m) return false;
     if (!possible.FirstMet(grasp.X_WG, HandSweep(tool, *opening_m), none, 0)) {
       grasp.width_m = width_m;
-      grasp.score *= 1 - std::min(1.0, step * options_.wide_share);
       return true;
     }
     if (tool.MaxOpening_m() <= 0) return false;

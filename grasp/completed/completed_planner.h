@@ -43,7 +43,6 @@ struct CompletedPlannerOptions {
   double relaxed_level = 0.5;             // the same if no grasp is found otherwise
   double wider_m = 0.003;                 // step by which a jaw opens wider to pass possible matter
   int max_wider = 6;                      // number of these steps
-  double wide_share = 0.05;               // share of the score that each step removes
   int max_candidates = 120;               // candidates of an object for one jaw, from above
   double density_kgpm3 = 1500;            // assumed density of an object
   int tested_grasps = 300;                // planned grasps that are tested against possible matter
