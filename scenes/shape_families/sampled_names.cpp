@@ -83,8 +83,9 @@ std::vector<std::string> SampledNamesIn(const std::string& name) {
              fmt::format("object '{}': the range has more than {} seeds; make it smaller", name,
                          kMaxSampledShapes));
   std::vector<std::string> names;
-  for (uint64_t seed = first; seed <= last; ++seed) {
-    names.push_back(fmt::format("{}/{}", name.substr(0, slash), seed));
+  // The range may end at the largest number, so `last` is no end of a loop.
+  for (uint64_t i = 0; i <= last - first; ++i) {
+    names.push_back(fmt::format("{}/{}", name.substr(0, slash), first + i));
   }
   return names;
 }

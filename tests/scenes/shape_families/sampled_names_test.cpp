@@ -52,6 +52,9 @@ TEST(SampledNames, ARangeOfSeedsGivesAllNames) {
               testing::ElementsAre("sampled/machine/unseen_families/9",
                                    "sampled/machine/unseen_families/10",
                                    "sampled/machine/unseen_families/11"));
+  EXPECT_THAT(
+      SampledNamesIn("sampled/cup/18446744073709551614-18446744073709551615"),
+      testing::ElementsAre("sampled/cup/18446744073709551614", "sampled/cup/18446744073709551615"));
   EXPECT_THAT(SampledNamesIn("sampled/cup/3"), testing::ElementsAre("sampled/cup/3"));
   EXPECT_THAT(SampledNamesIn("my-part-0-9"), testing::ElementsAre("my-part-0-9"));
 }
