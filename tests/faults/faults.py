@@ -263,7 +263,7 @@ def failing_call_case(command, whole, out, number, rng, calls):
     fail_at = rng.randrange(1, calls[command.kind] + 1)
     status = command.finish(out.name, variables=folder.with_fault(fail_at=fail_at, errno=number))
     lines = command.error_lines()
-    what = f"call {fail_at} of {calls[command.kind]}"
+    what = f"call {fail_at} of {calls[command.kind]}" + ("" if folder.calls() >= fail_at else ", which was not made")
     require(status in (0, BAD_INPUT), f"{what}: exit status {status}: {lines}")
     require(len(lines) <= 1, f"{what}: more than one line: {lines}")
     require(status == 0 or out.name in lines[0], f"{what}: no line with the folder: {lines}")
