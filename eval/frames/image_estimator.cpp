@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "perception/estimators/finite_poses.h"
 #include "scenes/base/files.h"
 #include "sim/convex/convex_pieces.h"
 #include "sim/sensor/depth_noise.h"
@@ -53,7 +54,9 @@ ImageEstimator::ImageEstimator(const ImageEstimatorSetup& image_setup, const Rgb
 ImageEstimator::~ImageEstimator() = default;
 
 EstimateResult ImageEstimator::Estimate(const EstimatorInput& input, Rng& rng) {
-  return estimator_->Estimate(input, rng);
+  EstimateResult result = estimator_->Estimate(input, rng);
+  DropNotFinite(result.hypotheses);
+  return result;
 }
 
 }  // namespace pickbed::eval

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "eval/frames/region.h"
 #include "eval/trial/oracle_estimator.h"
 #include "eval/trial/timed_stages.h"
 #include "perception/candidates/estimate_trace.h"
+#include "perception/estimators/finite_poses.h"
 #include "perception/icp/final_refinement.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -50,14 +50,6 @@ void RequireVisibleSize(const ScenarioSpec& spec, const EstimatorSetup& setup) {
         spec.camera.eye_m.z(), object->name, size_px, setup.working_distance_m, kMinDiameter_px,
         near_m, sharp_px));
   }
-}
-
-// Removes poses that no estimator should report.
-void DropNotFinite(std::vector<PoseHypothesis>& hypotheses) {
-  const auto dropped = std::erase_if(hypotheses, [](const PoseHypothesis& hypothesis) {
-    return !hypothesis.X_CO.matrix().allFinite() || !std::isfinite(hypothesis.score);
-  });
-  CountNotFinite(FiniteBoundary::kPoses, static_cast<int>(dropped));
 }
 
 }  // namespace

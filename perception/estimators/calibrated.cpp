@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "perception/estimators/finite_poses.h"
+
 namespace pickbed::perception {
 namespace {
 
@@ -14,6 +16,7 @@ class CalibratedEstimator : public PoseEstimator {
   // The curve rises, so the order of the poses stays.
   EstimateResult Estimate(const EstimatorInput& input, Rng& rng) override {
     EstimateResult result = inner_->Estimate(input, rng);
+    DropNotFinite(result.hypotheses);
     for (PoseHypothesis& hypothesis : result.hypotheses) {
       hypothesis.raw_score = hypothesis.score;
       hypothesis.score = curve_.At(hypothesis.score);
@@ -35,6 +38,7 @@ class RankedEstimator : public PoseEstimator {
 
   EstimateResult Estimate(const EstimatorInput& input, Rng& rng) override {
     EstimateResult result = inner_->Estimate(input, rng);
+    DropNotFinite(result.hypotheses);
     const double count = static_cast<double>(result.hypotheses.size());
     for (size_t i = 0; i < result.hypotheses.size(); ++i) {
       PoseHypothesis& hypothesis = result.hypotheses[i];

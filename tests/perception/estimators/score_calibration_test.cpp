@@ -3,9 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "perception/estimators/calibrated.h"
+#include "perception/estimators/finite_poses.h"
 #include "perception/estimators/pose_estimator.h"
 #include "scenes/base/files.h"
+#include "scenes/base/finite_counts.h"
 #include "tests/support/error_of.h"
 #include "tests/support/synthetic_depth.h"
 #include "tests/support/temporary_folder.h"
@@ -148,6 +152,38 @@ TEST(CalibratedEstimator, UncalibratedRawScoresAreRanked) {
   EXPECT_THAT(raw, ElementsAre(3.5, -1, -2, -120));
   EXPECT_THAT(ScoresFrom(*MakeRanked(std::make_unique<Scored>(std::vector<double>()))),
               testing::IsEmpty());
+}
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+// A curve would give NaN the probability of the highest score, and a rank would hide it.
+TEST(CalibratedEstimator, ScoresThatAreNotFiniteAreDroppedAndCounted) {
+  TakeNotFiniteCounts();
+  std::vector<double> raw;
+  const std::vector<double> scores{3.5, kNaN, 1.0 / 3, -kInfinite};
+  EXPECT_THAT(
+      ScoresFrom(*MakeCalibrated(std::make_unique<Scored>(scores), Planted().pose_right, 0.5),
+                 &raw),
+      ElementsAre(0.98, 0.75));
+  EXPECT_THAT(ScoresFrom(*MakeRanked(std::make_unique<Scored>(scores)), &raw), ElementsAre(1, 0.5));
+  EXPECT_THAT(raw, ElementsAre(3.5, 1.0 / 3, 3.5, 1.0 / 3));
+  EXPECT_EQ(TakeNotFiniteCounts().at("not_finite/poses"), 4);
+}
+
+TEST(FinitePoses, PosesScoresAndRawScoresMustBeFinite) {
+  TakeNotFiniteCounts();
+  std::vector<PoseHypothesis> poses(6);
+  for (size_t i = 0; i < poses.size(); ++i) poses[i].score = static_cast<double>(i);
+  poses[1].X_CO.translation().x() = kNaN;
+  poses[2].score = kInfinite;
+  poses[3].raw_score = kNaN;
+  poses[4].raw_score = -120;
+  DropNotFinite(poses);
+  std::vector<double> left;
+  for (const PoseHypothesis& pose : poses) left.push_back(pose.score);
+  EXPECT_THAT(left, ElementsAre(0, 4, 5));
+  EXPECT_EQ(TakeNotFiniteCounts().at("not_finite/poses"), 3);
 }
 
 TEST(CalibratedEstimator, OnlyProgramsHaveRawScores) {
