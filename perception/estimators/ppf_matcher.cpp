@@ -69,6 +69,16 @@ double OwnSampling(const std::vector<float>& rows, double voxel_m) {
   return std::clamp(0.5 * voxel_m / std::max<double>(longest_m, voxel_m), kFinest, 0.5);
 }
 
+// Returns whether the points differ along each axis. OpenCV divides by their extent.
+bool HasVolume(const std::vector<float>& rows) {
+  for (int axis = 0; axis < 3; ++axis) {
+    bool differs = false;
+    for (size_t i = axis; i < rows.size() && !differs; i += kRow) differs = rows[i] != rows[axis];
+    if (!differs) return false;
+  }
+  return true;
+}
+
 // Splits the points into square windows in x and y, half a side apart. Anything at most half a side
 // wide is completely inside one window.
 std::vector<std::vector<float>> Windows(const std::vector<float>& rows, double side_m) {
@@ -160,7 +170,7 @@ std::vector<Pose> PpfMatcher::Match(const std::vector<float>& scene_rows) const 
   if (scene_rows.size() < kRow * kMinPoints) return poses;
   const PpfMatchOptions& options = impl_->options;
   for (const auto& window : Windows(scene_rows, options.window_diameters * impl_->diameter_m)) {
-    if (window.size() < kRow * kMinPoints) continue;
+    if (window.size() < kRow * kMinPoints || !HasVolume(window)) continue;
     std::vector<Pose3DPtr> found;
     impl_->detector->match(ToMat(window), found, options.scene_step,
                            OwnSampling(window, options.scene_voxel_diameters * impl_->diameter_m));

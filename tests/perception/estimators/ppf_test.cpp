@@ -95,6 +95,16 @@ TEST_F(BracketsOnATable, SameFrameSamePoses) {
   }
 }
 
+// All points have the same z, by whose extent the matcher divides.
+TEST_F(BracketsOnATable, ConstantDepthGivesNoHypothesis) {
+  RgbdFrame frame;
+  frame.intrinsics = {480, 360, 600, 600, 239.5, 179.5};
+  frame.color = Image<Rgb8>(480, 360);
+  frame.depth_m = Image<float>(480, 360, 0.4f);
+  Rng rng(0);
+  EXPECT_TRUE(estimator_->Estimate({frame, background_}, rng).hypotheses.empty());
+}
+
 TEST_F(BracketsOnATable, EmptyTableGivesNoHypothesis) { EXPECT_TRUE(Run({}).hypotheses.empty()); }
 
 }  // namespace
