@@ -177,10 +177,13 @@ class FrameDoubts {
   }
 
   // Throws InputError if no image is usable. An image without readings is only skipped.
-  void Report(const std::function<void(const std::string& line)>& on_warning) const {
+  // `place` names the images.
+  void Report(const fs::path& place,
+              const std::function<void(const std::string& line)>& on_warning) const {
     const auto holes = doubts_.find(FrameFault::kNoReadings);
     const int empty = holes == doubts_.end() ? 0 : holes->second.images;
-    CheckInput(images_with_error_ < images_ || empty == images_ || images_ == 0, error_);
+    CheckInput(images_with_error_ < images_ || empty == images_ || images_ == 0,
+               place.string() + ": " + error_);
     if (!on_warning) return;
     for (const auto& [fault, doubt] : doubts_) {
       on_warning(doubt.line + (doubt.images > 1
@@ -208,10 +211,11 @@ const ImageTruth& TargetImage(const SceneTruth& scene, int image_id) {
   return image->second;
 }
 
-using TakeImage = std::function<void(const DatasetEstimate& place, const ImageTruth& image,
+// Returns whether the next image is wanted.
+using TakeImage = std::function<bool(const DatasetEstimate& place, const ImageTruth& image,
                                      const ImageTargets& targets, RgbdFrame& frame)>;
 
-// Reads each target image from disk and passes it to `take`.
+// Reads each target image from disk and passes it to `take`, until it wants no more.
 void ForEachTarget(const fs::path& root, const std::string& split, const SplitTargets& targets,
                    const TakeImage& take) {
   for (const auto& [scene_id, images] : targets.scenes) {
@@ -223,7 +227,7 @@ void ForEachTarget(const fs::path& root, const std::string& split, const SplitTa
       place.image_id = image_id;
       const ImageTruth& image = TargetImage(scene, image_id);
       RgbdFrame frame = ReadFrame(scene, image);
-      take(place, image, image_targets, frame);
+      if (!take(place, image, image_targets, frame)) return;
     }
   }
 }
@@ -280,17 +284,17 @@ std::optional<std::vector<TrueInstance>> TruthOf(const ImageTruth& image,
 
 }  // namespace
 
-std::vector<DatasetEstimate> EstimateDataset(
-    const fs::path& root, const std::string& split, const EstimateDatasetOptions& options,
-    const std::function<void(const EstimateDatasetProgress&)>& on_progress) {
+void EstimateDataset(const fs::path& root, const std::string& split,
+                     const EstimateDatasetOptions& options, DatasetEstimates& result,
+                     const std::function<void(const EstimateDatasetProgress&)>& on_progress) {
   EstimatorNamed(options.estimator.name);
   RefinerNamed(options.refiner);
   const std::map<int, DatasetModelInfo> models = ReadModelsInfo(root / "models", ThrowFault);
   const SplitTargets targets = TargetsOf(root, split);
-  size_t all = 0, done = 0;
-  for (const auto& [scene_id, images] : targets.scenes) all += images.size();
+  for (const auto& [scene_id, images] : targets.scenes) result.images += images.size();
+  const auto goes_on = [&] { return !options.stop || !options.stop(); };
   // All images are read once before the first is processed, which takes a small share of the time.
-  // A broken image is thus reported at once. After hours of work, all estimates would be lost.
+  // A broken image is thus reported at once, and not after hours of work.
   DatasetObjects objects =
       LoadDatasetObjects(root, ObjectsOf(targets, models, options.task), models);
   FrameDoubts doubts;
@@ -298,28 +302,28 @@ std::vector<DatasetEstimate> EstimateDataset(
                 [&](const DatasetEstimate& place, const ImageTruth& image, const ImageTargets&,
                     const RgbdFrame& frame) {
                   doubts.Add(place, CheckFrame(frame, objects.objects, image.depth_scale_mm));
+                  return goes_on();
                 });
-  doubts.Report(options.on_warning);
+  if (!goes_on()) return;
+  doubts.Report(root / split, options.on_warning);
   std::optional<Runner> runner;
-  std::vector<DatasetEstimate> estimates;
-  ForEachTarget(root, split, targets,
-                [&](const DatasetEstimate& place, const ImageTruth& image,
-                    const ImageTargets& image_targets, RgbdFrame& frame) {
-                  doubts.RegisterColorOf(place, frame);
-                  const bool sees = HasReadings(frame.depth_m);
-                  if (!runner && sees) {
-                    runner.emplace(std::move(objects), options, frame, on_progress);
-                  }
-                  Rng rng = RngOf(options, place);
-                  if (sees) runner->Run(frame, image, image_targets, place, rng, estimates);
-                  ++done;
-                  if (on_progress) {
-                    on_progress({fmt::format("scene {} image {}", place.scene_id, place.image_id),
-                                 static_cast<double>(done) / static_cast<double>(all)});
-                  }
-                });
+  ForEachTarget(
+      root, split, targets,
+      [&](const DatasetEstimate& place, const ImageTruth& image, const ImageTargets& image_targets,
+          RgbdFrame& frame) {
+        doubts.RegisterColorOf(place, frame);
+        const bool sees = HasReadings(frame.depth_m);
+        if (!runner && sees) runner.emplace(std::move(objects), options, frame, on_progress);
+        Rng rng = RngOf(options, place);
+        if (sees) runner->Run(frame, image, image_targets, place, rng, result.estimates);
+        ++result.done;
+        if (on_progress) {
+          on_progress({fmt::format("scene {} image {}", place.scene_id, place.image_id),
+                       static_cast<double>(result.done) / static_cast<double>(result.images)});
+        }
+        return goes_on();
+      });
   if (runner) runner->WarnOfImages();
-  return estimates;
 }
 
 ExplanationPage ExplainTarget(

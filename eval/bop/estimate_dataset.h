@@ -33,6 +33,8 @@ struct EstimateDatasetOptions {
   std::optional<Bin> bin = {};
   // Region of interest in each image. A box in the world frame needs images with a camera pose.
   RegionSpec region = {};
+  // Called after each image; true ends the work. May be empty.
+  std::function<bool()> stop = {};
   // Called with one line for each kind of doubtful images (CheckFrame), when such an estimator
   // failed, and at the end if the estimator recognised no background in some images. May be empty.
   std::function<void(const std::string& line)> on_warning = {};
@@ -43,18 +45,25 @@ struct EstimateDatasetProgress {
   double share = 0;  // 0..1
 };
 
+// Estimates in the images of a dataset, also if the work ended early.
+struct DatasetEstimates {
+  std::vector<DatasetEstimate> estimates;
+  size_t images = 0;  // target images
+  size_t done = 0;    // images whose estimates are in `estimates`
+};
+
 // Estimates poses in every target image. In localisation on a BOP19 image, it returns poses of the
 // target objects only, at most as many of each as are to be found. In detection, or if only BOP24
 // names the image, it returns all poses of any object of the data set. The estimator gets images,
 // cameras, meshes, the bin of the options and, in localisation, these counts. It gets no other
-// ground truth. `on_progress` is called while codebooks are built and after each image. Throws
-// InputError for an unknown estimator, the oracle (it would need ground truth) and a broken data
-// set, or if CheckFrame() finds an error in every image. It always throws before the first image is
-// processed.
-std::vector<DatasetEstimate> EstimateDataset(
-    const std::filesystem::path& root, const std::string& split,
-    const EstimateDatasetOptions& options,
-    const std::function<void(const EstimateDatasetProgress&)>& on_progress = {});
+// ground truth. `on_progress` is called while codebooks are built and after each image. Each image
+// adds to `result`, so that the estimates before an error are not lost. Throws InputError for an
+// unknown estimator, the oracle (it would need ground truth) and a broken data set, or if
+// CheckFrame() finds an error in every image. It reads all images before it processes the first, so
+// that a broken file is reported at once.
+void EstimateDataset(const std::filesystem::path& root, const std::string& split,
+                     const EstimateDatasetOptions& options, DatasetEstimates& result,
+                     const std::function<void(const EstimateDatasetProgress&)>& on_progress = {});
 
 // Writes a page (eval/explain/explain.h) into `folder` that shows the stages by which
 // EstimateDataset finds the poses of one target image. `image` is "SCENE/IMAGE", for example

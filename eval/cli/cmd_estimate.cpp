@@ -275,27 +275,49 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
   CheckInput(estimators.size() < 2,
              "--bop writes the estimates of one estimator; name only one with --estimator");
   spec.estimator = NamedEstimators(arguments, estimators, spec.estimator).front().spec;
-  const std::string data_set = DataSetName(bop.path);
   const std::filesystem::path folder = BopFolder(bop, out, "-estimate");
+  const std::string name =
+      fmt::format("{}_{}-{}", spec.estimator.name, DataSetName(bop.path), bop.split);
+  const std::filesystem::path csv = folder / (name + ".csv");
+  const std::filesystem::path partial = folder / (name + ".partial.csv");
   MakeFolder(folder);
-  std::vector<DatasetEstimate> estimates;
-  {
+  CatchInterrupts();
+  DatasetEstimates result;
+  // Writes what was estimated before the work ended early, and returns where it is.
+  const auto keep = [&]() -> std::string {
+    if (result.done == 0) return "no image was processed";
+    WriteFileAtomically(partial, WriteEstimates(result.estimates));
+    return fmt::format("the estimates of {} of {} images are in {}", result.done, result.images,
+                       partial.string());
+  };
+  try {
     ProgressLine progress;
     EstimateDatasetOptions options{spec.estimator, spec.refiner, spec.seed, threads, TaskOf(bop)};
     options.log_dir = folder / kLogsFolder;
     options.bin = StoredBin(bop);
     options.region = spec.roi;
+    options.stop = Interrupted;
     options.on_warning = [&](const std::string& line) { progress.Note(line); };
-    estimates =
-        EstimateDataset(bop.path, bop.split, options, [&](const EstimateDatasetProgress& state) {
+    EstimateDataset(
+        bop.path, bop.split, options, result, [&](const EstimateDatasetProgress& state) {
           progress.Show(fmt::format("{}: {}", state.what, WholePercentText(state.share)));
         });
+  } catch (const InputError& error) {
+    if (result.done == 0) throw;
+    throw InputError(fmt::format("{}; {}", error.what(), keep()));
+  } catch (const std::exception&) {
+    if (result.done > 0) fmt::print(stderr, "{}\n", keep());
+    throw;
   }
-  const std::filesystem::path csv =
-      folder / fmt::format("{}_{}-{}.csv", spec.estimator.name, data_set, bop.split);
-  WriteFileAtomically(csv, WriteEstimates(estimates));
+  if (result.done < result.images && Interrupted()) {
+    fmt::print(stderr, "pickbed: interrupted; {}\n", keep());
+    return kExitInterrupted;
+  }
+  WriteFileAtomically(csv, WriteEstimates(result.estimates));
+  std::error_code none;
+  std::filesystem::remove(partial, none);
   fmt::print("{} estimates in {}\nscore them with pickbed score --bop {} --split {} {}\n{}",
-             estimates.size(), csv.string(), bop.path, bop.split, csv.string(),
+             result.estimates.size(), csv.string(), bop.path, bop.split, csv.string(),
              TaskOf(bop) == DatasetTask::kLocalisation
                  ? "of its scores, AP is comparable only after --task detection\n"
                  : "");

@@ -71,6 +71,50 @@ invalid_bop_data_is_refused() {
   refused "columns.csv:1: begins with" "$pickbed" score --bop sound columns.csv
 }
 
+# The estimator breaks the second image while it works on the first.
+estimates_before_a_broken_image_are_kept() {
+  echo "camera: {width: 96, height: 72, focal_px: 100}" >>small.yaml
+  expect 0 "$pickbed" dataset make small.yaml --scenes 1 --views 3 --jobs 1 --out set
+  cat >estimator.py <<'PY'
+import os
+import signal
+import numpy as np
+import pickbed_plugin as pb
+@pb.estimator
+def mine(frame):
+    if os.path.exists("break"):
+        open("set/test/000001/depth/000001.png", "w").close()
+    if os.path.exists("stop"):
+        os.kill(os.getppid(), signal.SIGTERM)
+    return [pb.Pose(frame.setup.objects[0].name, np.eye(3), [0, 0, 0.8], 0.9)]
+pb.serve()
+PY
+  local estimate=("$pickbed" estimate --bop set --set estimator.name=process --set "estimator.command=python3 estimator.py" --out poses)
+  local partial=poses/process_set-test.partial.csv
+  expect 0 "${estimate[@]}"
+  [ "$(wc -l <poses/process_set-test.csv)" = 4 ] || fail "not one pose in each image"
+  [ -e $partial ] && fail "partial results of a complete run"
+  mv poses whole
+
+  touch stop
+  expect 130 "${estimate[@]}"
+  [ "$(grep '^pickbed: ' last.err)" = "pickbed: interrupted; the estimates of 1 of 3 images are in $partial" ] ||
+    fail "an interrupt does not name the partial results"
+  [ "$(wc -l <$partial)" = 2 ] || fail "not the poses of the first image"
+  rm stop
+
+  touch break
+  refused "depth/000001.png" "${estimate[@]}"
+  grep '^pickbed: ' last.err | grep -q "the estimates of 1 of 3 images are in $partial" || fail "the partial results are not named"
+  head -2 whole/process_set-test.csv | cut -d, -f1-6 >first
+  cut -d, -f1-6 $partial | diff - first >&2 || fail "other poses of the first image"
+  [ -e poses/process_set-test.csv ] && fail "the results look complete"
+  rm break
+  refused "depth/000001.png" "${estimate[@]}"
+  grep -q "the estimates of" last.err && fail "there are estimates before the first image"
+  return 0
+}
+
 results_files_are_executed_in_the_scenes_of_a_dataset() {
   echo "camera: {width: 320, height: 240, focal_px: 340}" >>small.yaml
   expect 0 "$pickbed" dataset make small.yaml --scenes 2 --views 1 --jobs 2 --out set
