@@ -37,7 +37,7 @@ set(third_party
   "opencv2/=>^(scenes/image/(image_io|number_image)\\.cpp|eval/draw/[a-z_]+\\.(cpp|h)|perception/cloud/color_edges\\.cpp|perception/estimators/ppf_matcher\\.cpp|perception/crop_methods/(hog|linemod)\\.cpp)$"
   "yaml-cpp/=>^scenes/base/(settings(_tree|_names)?\\.cpp|yaml\\.(h|cpp))$"
   "sqlite3=>^eval/store/[a-z_]+\\.(cpp|h)$"
-  "boost/=>^eval/stats/[a-z_]+\\.cpp$"
+  "boost/=>^(eval/stats/[a-z_]+|scenes/image/image_check)\\.cpp$"
   "nlohmann/=>^eval/.+\\.(cpp|h)$"
   "CLI/=>^eval/cli/.+\\.(cpp|h)$"
   "pybind11/=>^eval/python/[a-z_]+\\.(cpp|h)$"

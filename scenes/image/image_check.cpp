@@ -4,7 +4,7 @@
 #include <jerror.h>
 #include <jpeglib.h>
 
-#include <array>
+#include <boost/crc.hpp>
 #include <csetjmp>
 #include <cstddef>
 #include <cstdint>
@@ -110,18 +110,9 @@ std::string FaultOfJpeg(std::string_view bytes) {
 }  // namespace
 
 uint32_t PngCheckSum(std::string_view bytes) {
-  static const std::array<uint32_t, 256> kTable = [] {
-    std::array<uint32_t, 256> table{};
-    for (uint32_t n = 0; n < 256; ++n) {
-      uint32_t c = n;
-      for (int k = 0; k < 8; ++k) c = (c & 1) != 0 ? 0xedb88320u ^ c >> 1 : c >> 1;
-      table[n] = c;
-    }
-    return table;
-  }();
-  uint32_t c = 0xffffffffu;
-  for (const char byte : bytes) c = kTable[(c ^ static_cast<unsigned char>(byte)) & 255] ^ c >> 8;
-  return ~c;
+  boost::crc_32_type sum;
+  sum.process_bytes(bytes.data(), bytes.size());
+  return sum.checksum();
 }
 
 bool IsPng(std::string_view bytes) { return bytes.starts_with(kPngHead.substr(0, 4)); }

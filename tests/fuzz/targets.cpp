@@ -301,9 +301,19 @@ FuzzTarget PngChunkTarget() {
     const fs::path file = folder / "a.png";
     WriteFileAtomically(file, WithRightCheckSums(bytes));
     ReadPng(file);
-    ReadNumberImage(file);
+    if (!HasColorChannels(file)) ReadNumberImage(file);
   };
-  return {"png_chunks", run, [] { return Contents{EncodePng(Image<uint16_t>(9, 7), 3)}; }};
+  const auto seeds = [] {
+    Image<Rgb8> color(9, 7);
+    Image<uint16_t> depth(9, 7);
+    for (size_t i = 0; i < color.size(); ++i) {
+      const auto number = static_cast<uint8_t>(31 * i);
+      color.data()[i] = {number, static_cast<uint8_t>(number / 2), 7};
+      depth.data()[i] = static_cast<uint16_t>(500 + 37 * i);
+    }
+    return Contents{EncodePng(Image<uint16_t>(9, 7), 3), EncodePng(depth, 3), EncodePng(color, 3)};
+  };
+  return {"png_chunks", run, seeds};
 }
 
 std::string NumpyDepth() {
