@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "eval/bop/json.h"
@@ -173,6 +174,34 @@ InstanceInfo ReadInfo(const ParsedJson& entry, const JsonPlace& place) {
   return info;
 }
 
+// Keys that a file of another program need not have. If one instance has it, all must.
+class OptionalKeys {
+ public:
+  void Add(const ParsedJson& entry, const JsonPlace& place) {
+    for (Key& key : keys_) {
+      const bool has = entry.is_object() && entry.contains(key.name);
+      key.is_used |= has;
+      if (!has) key.missing.push_back(place);
+    }
+  }
+  void Report() const {
+    for (const Key& key : keys_) {
+      if (!key.is_used) continue;
+      for (const JsonPlace& place : key.missing) {
+        place.Fault(fmt::format("has no '{}', but other instances have one", key.name));
+      }
+    }
+  }
+
+ private:
+  struct Key {
+    const char* name;
+    bool is_used = false;
+    std::vector<JsonPlace> missing = {};
+  };
+  std::array<Key, 3> keys_{Key{"px_count_valid"}, Key{"bbox_obj"}, Key{"bbox_visib"}};
+};
+
 // A matrix that is no rotation makes only its instance unusable, so that one bad row does not stop
 // the work on a large dataset.
 void ReadInstances(const ParsedJson& list, const JsonPlace& place, SceneTruth& scene,
@@ -338,17 +367,21 @@ SceneTruth ReadSceneTruth(const fs::path& folder, int scene_id, const OnFault& f
                [&](ImageTruth& image, const ParsedJson& entry, const JsonPlace& place) {
                  ReadInstances(entry, place, scene, image);
                });
+  OptionalKeys optional_keys;
   ForEachImage(folder / OfSensor(kSceneTruthInfoFile, sensor), scene, fault,
                [&](ImageTruth& image, const ParsedJson& entry, const JsonPlace& place) {
                  if (!entry.is_array()) return place.Fault("is not a list of instances");
                  for (size_t i = 0; i < entry.size(); ++i) {
-                   image.infos.push_back(ReadInfo(entry[i], place / fmt::format("instance {}", i)));
+                   const JsonPlace where = place / fmt::format("instance {}", i);
+                   image.infos.push_back(ReadInfo(entry[i], where));
+                   optional_keys.Add(entry[i], where);
                  }
                  if (image.infos.size() == image.instances.size()) return;
                  place.Fault(fmt::format("has {} instances, {} has {}", image.infos.size(),
                                          kSceneTruthFile, image.instances.size()));
                  image.infos.resize(image.instances.size());
                });
+  optional_keys.Report();
   return scene;
 }
 

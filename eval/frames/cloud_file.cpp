@@ -22,6 +22,8 @@ namespace {
 constexpr size_t kFieldBytes = 4;
 constexpr int kMaxSide = 1 << 14;
 constexpr double kMaxDepth_m = 1e4;  // no camera and no scanner sees as far
+// Shifted or otherwise wrong bytes often give a number near 0, which no sensor does.
+constexpr double kMinDepth_m = 1e-12;
 
 std::string ExtensionOf(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -291,6 +293,10 @@ RgbdFrame FrameOfCloud(const CloudFile& cloud, const std::string& name, double u
   RgbdFrame frame;
   frame.depth_m = Coordinate(cloud, "z", name, unit_m);
   for (float& z : frame.depth_m.pixels()) {
+    CheckInput(z == 0 || !(std::abs(z) < kMinDepth_m),
+               fmt::format("{}: a point is {:g} m away, so its bytes are damaged; get the file "
+                           "again, or give the unit of its points",
+                           name, z));
     if (!std::isfinite(z) || z < 0) z = 0;
     CheckInput(z <= kMaxDepth_m,
                fmt::format("{}: a point is {:g} m away, over {:g} m; get the file again, or give "

@@ -141,6 +141,10 @@ void CheckRows(const Database& db) {
   RequireNumbered(db, "hypotheses", "trial, attempt", "hypothesis");
   RequireOwner(db, "hypothesis_metrics", "hypotheses", "trial, attempt", "hypothesis");
   RequireUnique(db, "hypothesis_metrics", "trial, attempt, hypothesis, metric");
+  RequireNoRow(db, "hypothesis_metrics",
+               "SELECT rowid FROM hypothesis_metrics WHERE metric NOT GLOB '[a-z]*' OR metric GLOB "
+               "'*[^a-z0-9_]*'",
+               "the name in column 'metric' is none");
   RequireUnique(db, "instances", "trial, attempt, instance");
   RequireUnique(db, "rejections", "trial, attempt, cause");
   RequireUnique(db, "instance_outcomes", "trial, instance, attempt");

@@ -373,6 +373,7 @@ KeyPlaces ReadSettingsFile(const std::filesystem::path& file, const VisitFunctio
   CheckInput(IsRegularFile(file), fmt::format("{}: cannot be read; check the path", file.string()));
   const std::string text = ReadFileBytes(file);
   ParseYaml(text, file.string());  // its errors name the file
+  RequireWholeYaml(text, file.string());
   const CurrentText yaml = WithCurrentNames(text, visit);
   KeyPlaces places = Read(yaml, file.string(), visit);
   CheckInput(!places.empty(), fmt::format("{}: the file has no settings, so it may be cut short; "

@@ -31,11 +31,24 @@ void Count(const YAML::Node& node, const std::string& source, int depth, int& no
   }
 }
 
+// YAML permits no control characters but tabs and line ends.
+void RequirePrintable(const std::string& text, const std::string& source) {
+  int line = 1;
+  for (const char c : text) {
+    line += c == '\n';
+    const bool is_control =
+        (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) && c != '\t' && c != '\n' && c != '\r';
+    CheckInput(!is_control, fmt::format("{}:{}: has the control character {:#04x}; remove it",
+                                        source, line, static_cast<unsigned char>(c)));
+  }
+}
+
 }  // namespace
 
 YAML::Node ParseYaml(const std::string& text, const std::string& source) {
   CheckInput(text.size() <= kMaxYamlBytes, fmt::format("{}: has {} bytes; a YAML file may have {}",
                                                        source, text.size(), kMaxYamlBytes));
+  RequirePrintable(text, source);
   try {
     YAML::Node node = YAML::Load(text);
     int nodes = 0;
@@ -45,6 +58,19 @@ YAML::Node ParseYaml(const std::string& text, const std::string& source) {
     throw InputError(
         fmt::format("{}:{}: not valid YAML: {}", source, error.mark.line + 1, OneLine(error.msg)));
   }
+}
+
+void RequireWholeYaml(const std::string& text, const std::string& source) {
+  const size_t at = text.find_last_of(" \t\n\r[]{},:#");
+  const std::string word = at == std::string::npos ? text : text.substr(at + 1);
+  const bool is_cut = word.size() > 1 && word.back() == '.' &&
+                      word.find_first_not_of("0123456789+-.") == std::string::npos;
+  const size_t line = text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n') + 1;
+  CheckInput(
+      !is_cut || text.find('#', line) != std::string::npos,
+      fmt::format("{}: ends with '{}', so it may be cut short; get it again, or end its last "
+                  "line",
+                  source, word));
 }
 
 }  // namespace pickbed::scenes

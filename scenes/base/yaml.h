@@ -18,4 +18,7 @@ inline constexpr int kMaxYamlDepth = 64;
 // than the limits; also for an alias that refers to a node around it.
 YAML::Node ParseYaml(const std::string& text, const std::string& source);
 
+// Throws InputError if the text of a file ends within a number, such as "0." without a line end.
+void RequireWholeYaml(const std::string& text, const std::string& source);
+
 }  // namespace pickbed::scenes

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <opencv2/imgcodecs.hpp>
+#include <regex>
 #include <type_traits>
 #include <vector>
 
@@ -144,6 +145,13 @@ NumpyHeader ReadNumpyHeader(const std::string& bytes, const std::string& name) {
   require(header.shape.size() == 2, "the array has the shape " +
                                         OneLine(shape.substr(0, shape.find(')') + 1)) +
                                         "; depth has the shape (height, width)");
+  // Keys of the dictionary may have any order. Python 2 wrote sizes as 6L.
+  static const std::regex kHeader(
+      R"(\{('(descr|fortran_order|shape)':('[^']*'|False|\([0-9L,]*\))(,|(?=\}))){3}\})");
+  std::string dictionary = text.substr(is_first ? 10 : 12);
+  std::erase_if(dictionary, [](char c) { return c == ' ' || c == '\n'; });
+  require(std::regex_match(dictionary, kHeader),
+          "its NumPy header is no dictionary of descr, fortran_order and shape; get it again");
   require(header.shape[0] > 0 && header.shape[1] > 0 && header.shape[0] <= kMaxSide &&
               header.shape[1] <= kMaxSide,
           "the array has no pixels or too many of them");

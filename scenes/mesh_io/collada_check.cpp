@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <regex>
 #include <set>
 #include <string>
 #include <string_view>
@@ -41,6 +42,11 @@ class Checker {
     const std::string version = file.Attribute("version");
     if (!version.starts_with("1.") || version.find_first_not_of("0123456789.") != version.npos) {
       Refuse(file, fmt::format("has the version '{}', which is none", OneLine(version)));
+    }
+    static const std::regex kNamespace("https?://www\\.collada\\.org/[0-9/]+/COLLADASchema");
+    const std::string space = file.Attribute("xmlns");
+    if (!space.empty() && !std::regex_match(space, kNamespace)) {
+      Refuse(file, fmt::format("has the namespace '{}', which is none", OneLine(space)));
     }
     CollectGeometries(file);
     CheckAll(file);

@@ -113,6 +113,21 @@ bool IsNoMaterial(const std::string& name) {
   return name.empty() || name == "None" || name == "none" || name == "(null)" || name == "default";
 }
 
+// Whether the last line, which has no line end, may be cut: it begins a material without values, or
+// names a texture that is not there and has no extension of an image.
+bool IsCutIn(const std::string& line, const std::filesystem::path& material) {
+  const Words words = WordsOf(line);
+  if (words.empty()) return false;
+  if (words.front() == "newmtl") return true;
+  if (!words.front().starts_with("map_")) return false;
+  static const std::set<std::string> kImages{".png",  ".jpg", ".jpeg", ".bmp", ".tga", ".tif",
+                                             ".tiff", ".gif", ".dds",  ".exr", ".hdr", ".webp"};
+  const std::filesystem::path texture = std::string(words.back());
+  std::error_code error;
+  return !kImages.contains(LowerExtension(texture)) &&
+         !std::filesystem::exists(material.parent_path() / texture.filename(), error);
+}
+
 }  // namespace
 
 void CheckMaterials(const std::filesystem::path& mesh,
@@ -143,6 +158,12 @@ void CheckMaterialFile(const std::filesystem::path& mesh, const std::filesystem:
   bool has_material = false;
   for (std::string line; std::getline(file, line);) {
     ++number;
+    if (file.eof() && IsCutIn(line, material)) {
+      RefuseUnreadable(mesh,
+                       fmt::format("line {} of its material file '{}' has no end, so the file "
+                                   "may be cut short",
+                                   number, material.string()));
+    }
     const Words words = WordsOf(line);
     if (words.empty()) continue;
     std::string fault = FaultOf(words);

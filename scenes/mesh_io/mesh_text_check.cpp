@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -75,6 +77,52 @@ std::string FaultOfObj(const std::vector<std::string_view>& words) {
   if (words.size() - 1 < fewest) return fmt::format("has {} numbers", words.size() - 1);
   return "";
 }
+
+// Checks the indices of faces into the lists of texture coordinates and normals. The importer
+// checks the vertices, and leaves the others out.
+class ObjIndices {
+ public:
+  // `number`: of the line.
+  void Add(const std::vector<std::string_view>& words, size_t number) {
+    if (words.empty()) return;
+    if (words.front() == "vt") ++counts_[0];
+    if (words.front() == "vn") ++counts_[1];
+    if (words.front() != "f") return;
+    for (size_t i = 1; i < words.size(); ++i) AddCorner(words[i], number);
+  }
+  // Returns the fault of the file; empty = none.
+  std::string Fault() const {
+    constexpr const char* kLists[] = {"texture coordinate", "normal"};
+    for (int list = 0; list < 2; ++list) {
+      if (largest_[list].index <= counts_[list]) continue;
+      return fmt::format("line {} has a face with {} {}, but the file has {}", largest_[list].line,
+                         kLists[list], largest_[list].index, counts_[list]);
+    }
+    return "";
+  }
+
+ private:
+  struct Largest {
+    int64_t index = 0;
+    size_t line = 0;
+  };
+  void AddCorner(std::string_view corner, size_t number) {
+    for (int list = -1; list < 2; ++list) {
+      const size_t end = std::min(corner.find('/'), corner.size());
+      int64_t index = 0;
+      std::from_chars(corner.data(), corner.data() + end, index);
+      // A negative index counts back from the last element so far.
+      if (list >= 0 && std::abs(index) > largest_[list].index) {
+        largest_[list] = {std::abs(index), number};
+      }
+      if (end == corner.size()) return;
+      corner.remove_prefix(end + 1);
+    }
+  }
+
+  std::array<int64_t, 2> counts_{};
+  std::array<Largest, 2> largest_{};
+};
 
 // The words of a text STL, one after another.
 class StlWords {
@@ -152,16 +200,22 @@ void CheckMeshText(const fs::path& path) {
 void CheckObjText(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   bool continues = false;  // the line before ends with a backslash
+  bool has_long_lines = false;
+  ObjIndices indices;
   size_t number = 0;
   for (std::string line; std::getline(file, line);) {
     ++number;
     const std::vector<std::string_view> words = WordsOf(line);
     const bool is_continued = continues;
     continues = !words.empty() && words.back().ends_with('\\');
+    has_long_lines |= continues;
     if (is_continued || continues) continue;
     const std::string fault = FaultOfObj(words);
     if (!fault.empty()) RefuseUnreadable(path, fmt::format("line {} {}", number, fault));
+    indices.Add(words, number);
   }
+  const std::string fault = has_long_lines ? "" : indices.Fault();
+  if (!fault.empty()) RefuseUnreadable(path, fault);
 }
 
 void CheckStlText(const fs::path& path) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <pugixml.hpp>
 #include <string_view>
 
@@ -21,6 +22,29 @@ class Copier {
   [[noreturn]] void Refuse(std::ptrdiff_t offset, const std::string& what) const {
     const auto line = 1 + std::count(text_.begin(), text_.begin() + offset, '\n');
     RefuseUnreadable(path_, fmt::format("line {} {}", line, what));
+  }
+
+  // Other encodings are the importer's matter.
+  void RequireUtf8(const pugi::xml_node& declaration) const {
+    std::string encoding = declaration.attribute("encoding").value();
+    for (char& c : encoding) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (!encoding.empty() && encoding != "utf-8" && encoding != "utf8") return;
+    std::ptrdiff_t offset = 0;
+    for (std::string_view rest = text_; !rest.empty();) {
+      const std::string_view line = rest.substr(0, rest.find('\n'));
+      if (!IsUtf8(line)) Refuse(offset, "is not UTF-8");
+      const size_t length = std::min(line.size() + 1, rest.size());
+      rest.remove_prefix(length);
+      offset += static_cast<std::ptrdiff_t>(length);
+    }
+  }
+
+  void CheckDeclaration(const pugi::xml_node& declaration) const {
+    if (!declaration) return;
+    const std::string version = declaration.attribute("version").value();
+    if (version == "1.0" || version == "1.1") return;
+    Refuse(declaration.offset_debug(),
+           fmt::format("has the XML version '{}', which is none", OneLine(version)));
   }
 
   XmlElement Outermost(const pugi::xml_node& document) {
@@ -81,7 +105,8 @@ std::string XmlElement::Attribute(const std::string& attribute) const {
 }
 
 XmlElement ReadXml(const std::filesystem::path& path, const std::string& text) {
-  constexpr unsigned kFlags = pugi::parse_minimal | pugi::parse_fragment | pugi::parse_ws_pcdata;
+  constexpr unsigned kFlags =
+      pugi::parse_minimal | pugi::parse_fragment | pugi::parse_ws_pcdata | pugi::parse_declaration;
   Copier copier(path, text);
   // pugixml takes it for the end.
   const size_t zero = text.find('\0');
@@ -94,6 +119,10 @@ XmlElement ReadXml(const std::filesystem::path& path, const std::string& text) {
   if (!result) {
     copier.Refuse(result.offset, fmt::format("cannot be read: {}", result.description()));
   }
+  const pugi::xml_node declaration = document.find_child(
+      [](const pugi::xml_node& node) { return node.type() == pugi::node_declaration; });
+  copier.CheckDeclaration(declaration);
+  copier.RequireUtf8(declaration);
   return copier.Outermost(document);
 }
 

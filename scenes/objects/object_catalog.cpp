@@ -126,6 +126,12 @@ ObjectSettings ReadObjectFile(const fs::path& file) {
   ObjectSettings settings;
   ReadSettingsFile(file, [&](SettingsVisitor& v) { settings.Visit(v); });
   const std::string name = file.string();
+  constexpr double kMinMass_kg = 1e-6, kMinDensity_kgpm3 = 0.1;
+  CheckInput(settings.mass_kg == 0 || settings.mass_kg >= kMinMass_kg,
+             fmt::format("{}: mass_kg = {:g} is under {:g}", name, settings.mass_kg, kMinMass_kg));
+  CheckInput(settings.density_kgpm3 == 0 || settings.density_kgpm3 >= kMinDensity_kgpm3,
+             fmt::format("{}: density_kgpm3 = {:g} is under {:g}", name, settings.density_kgpm3,
+                         kMinDensity_kgpm3));
   CheckInput((settings.mass_kg > 0) != (settings.density_kgpm3 > 0),
              name + ": give exactly one of mass_kg and density_kgpm3, above 0");
   CheckInput(settings.inertia_diagonal_kgm2.norm() == 0 || settings.mass_kg > 0,

@@ -53,6 +53,13 @@ void ValidateCamera(const ScenarioSpec& spec) {
 
 constexpr double kSmallestFloor_m = 0.02;
 
+void RequireFloor(const BinSpec& bin, const std::string& place) {
+  CheckInput(bin.inner_size_m.head<2>().minCoeff() >= kSmallestFloor_m,
+             fmt::format("{} = [{}, {}, {}]: length and width must be at least {} m", place,
+                         bin.inner_size_m.x(), bin.inner_size_m.y(), bin.inner_size_m.z(),
+                         kSmallestFloor_m));
+}
+
 // Uses the measures of the mesh for keys that are not given.
 void TakeMeasures(const std::function<bool(const std::string&)>& is_given, BinSpec& bin) {
   const BinShape& shape = *bin.shape;
@@ -272,7 +279,13 @@ BinSpec LoadBin(const std::string& name_or_path) {
   const std::filesystem::path file =
       is_file ? path : AssetsDir() / "bins" / (name_or_path + ".yaml");
   const KeyPlaces places = ReadSettingsFile(file, [&bin](SettingsVisitor& v) { bin.Visit(v); });
-  if (bin.mesh.empty()) return bin;
+  if (bin.mesh.empty()) {
+    const auto place = places.find("inner_size_m");
+    CheckInput(place != places.end(),
+               file.string() + ": has neither inner_size_m nor mesh; give one of them");
+    RequireFloor(bin, place->second + ": inner_size_m");
+    return bin;
+  }
   try {
     bin.mesh = (std::filesystem::absolute(file).parent_path() / bin.mesh).string();
     LoadShape({}, bin);
@@ -294,10 +307,7 @@ void ScenarioSpec::Validate() const {
       SettingFaults([&copy](SettingsVisitor& v) { copy.Visit(v); },
                     [this](const std::string& key) { return At(key); });
   CheckInput(faults.empty(), fmt::format("{}", fmt::join(faults, "; ")));
-  CheckInput(bin.inner_size_m.head<2>().minCoeff() >= kSmallestFloor_m,
-             fmt::format("{} = [{}, {}, {}]: length and width must be at least {} m",
-                         At("bin.inner_size_m"), bin.inner_size_m.x(), bin.inner_size_m.y(),
-                         bin.inner_size_m.z(), kSmallestFloor_m));
+  RequireFloor(bin, At("bin.inner_size_m"));
   CheckInput(!objects.empty(),
              At("objects") + ": the scenario drops nothing; add '- {name: rod, count: 5}'");
   CheckInput(

@@ -58,5 +58,24 @@ TEST(ParseYaml, RefusesTextsThatAreNotUtf8) {
   ParseYaml("# M\xfcller\nname: M\xc3\xbcller \xe2\x82\xac \xf0\x9f\x98\x80\n", "a.yaml");
 }
 
+TEST(ParseYaml, RefusesControlCharacters) {
+  EXPECT_EQ(ErrorFor("a: 1\nb: x\x7fy\n"), "a.yaml:2: has the control character 0x7f; remove it");
+  EXPECT_THAT(ErrorFor("# \x1b[2J\na: 1\n"), HasSubstr("a.yaml:1: has the control character 0x1b"));
+  EXPECT_EQ(ParseYaml("a:\t1\r\nb: \"\\x7f\"\n", "a.yaml")["b"].Scalar(), "\x7f");
+}
+
+TEST(ParseYaml, RefusesAFileThatIsCutWithinANumber) {
+  const auto error = [](const std::string& text) {
+    return ErrorOf([&] { RequireWholeYaml(text, "a.yaml"); });
+  };
+  for (const char* const text : {"a: 0.", "a: [1, -2.", "x: 1\na: {b: 12."}) {
+    EXPECT_THAT(error(text), HasSubstr("a.yaml: ends with '")) << text;
+  }
+  for (const char* const text :
+       {"a: 0.\n", "a: 0.5", "a: no. 2", "a: the end.", "# version 2.", "a: 1 # see 2.", "", "."}) {
+    EXPECT_NO_THROW(RequireWholeYaml(text, "a.yaml")) << text;
+  }
+}
+
 }  // namespace
 }  // namespace pickbed::tests

@@ -16,7 +16,8 @@ TEST(NumberIn, IsTheWholeWord) {
   EXPECT_EQ(NumberIn("+2"), 2);
   EXPECT_EQ(NumberIn("-1e-3"), -1e-3);
   EXPECT_EQ(NumberIn("1e999"), std::numeric_limits<double>::infinity());
-  for (const char* word : {"", "+", "1.5.2", "0x10", "1e", "one", "1true", ">0", "--1"}) {
+  for (const char* word :
+       {"", "+", "1.5.2", "0x10", "1e", "one", "1true", ">0", "--1", "-12345678901234567890"}) {
     EXPECT_FALSE(NumberIn(word)) << word;
   }
 }
@@ -65,7 +66,11 @@ TEST(ObjText, NumbersAndCornersAreChecked) {
        {"a keyword with other bytes", Obj("mt\xa3lib a.mtl"), "which is no word"},
        {"a rest of a line", Obj("4 3"), "line 5 begins with '4', which is no word"},
        {"two lines that are joined", Obj("use1 3/2"), "begins with 'use1', which is no word"},
-       {"corners with normals", Obj("f 1//1 2//1 3//1"), ""},
+       {"corners with normals", Obj("vn 0 0 1\nf 1//1 2//1 3//-1"), ""},
+       {"a normal that does not exist", Obj("vn 0 0 1\nf 1//1 2//2 3//1"),
+        "line 6 has a face with normal 2, but the file has 1"},
+       {"texture coordinates that do not exist", Obj("f 1/1 2/1 3/1"),
+        "line 5 has a face with texture coordinate 1, but the file has 0"},
        {"a cut corner", Obj("f 1/1/1 2/1/1 3"), "has corners of two forms, '1/1/1' and '3'"},
        {"a corner without a normal", Obj("f 1//1 2/1/1 3//1"), "forms, '1//1' and '2/1/1'"}},
       "a.obj");
