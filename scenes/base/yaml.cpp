@@ -8,25 +8,35 @@
 namespace pickbed::scenes {
 namespace {
 
-// Counts nodes as a reader visits them, which follows aliases.
-void Count(const YAML::Node& node, const std::string& source, int depth, int& nodes) {
+// Nodes and bytes of text as a reader visits them, which follows aliases.
+struct Extent {
+  int nodes = 0;
+  size_t bytes = 0;
+};
+
+void Measure(const YAML::Node& node, const std::string& source, int depth, Extent& extent) {
   const auto place = [&] { return fmt::format("{}:{}", source, node.Mark().line + 1); };
   if (depth > kMaxYamlDepth) {
     throw InputError(fmt::format("{}: is nested more than {} levels deep, or refers to itself",
                                  place(), kMaxYamlDepth));
   }
-  if (++nodes > kMaxYamlNodes) {
+  if (++extent.nodes > kMaxYamlNodes) {
     throw InputError(fmt::format("{}: has more than {} values", place(), kMaxYamlNodes));
   }
   if (node.IsScalar()) {
+    extent.bytes += node.Scalar().size();
+    if (extent.bytes > kMaxYamlBytes) {
+      throw InputError(fmt::format("{}: has more than {} bytes with the texts behind its aliases",
+                                   place(), kMaxYamlBytes));
+    }
     CheckInput(IsUtf8(node.Scalar()), fmt::format("{}: '{}' is not UTF-8; save the file as UTF-8",
                                                   place(), OneLine(node.Scalar())));
   } else if (node.IsSequence()) {
-    for (const YAML::Node& item : node) Count(item, source, depth + 1, nodes);
+    for (const YAML::Node& item : node) Measure(item, source, depth + 1, extent);
   } else if (node.IsMap()) {
     for (const auto& entry : node) {
-      Count(entry.first, source, depth + 1, nodes);
-      Count(entry.second, source, depth + 1, nodes);
+      Measure(entry.first, source, depth + 1, extent);
+      Measure(entry.second, source, depth + 1, extent);
     }
   }
 }
@@ -51,8 +61,8 @@ YAML::Node ParseYaml(const std::string& text, const std::string& source) {
   RequirePrintable(text, source);
   try {
     YAML::Node node = YAML::Load(text);
-    int nodes = 0;
-    Count(node, source, 0, nodes);
+    Extent extent;
+    Measure(node, source, 0, extent);
     return node;
   } catch (const YAML::Exception& error) {
     throw InputError(

@@ -10,8 +10,8 @@ namespace pickbed::scenes {
 
 // Largest text and document that are read. Settings are far smaller. Larger ones are broken, or
 // made to take all memory by aliases of aliases.
-inline constexpr size_t kMaxYamlBytes = 4 << 20;
-inline constexpr int kMaxYamlNodes = 200000;  // an alias counts as all nodes behind it
+inline constexpr size_t kMaxYamlBytes = 4 << 20;  // an alias counts as the texts behind it
+inline constexpr int kMaxYamlNodes = 200000;      // an alias counts as all nodes behind it
 inline constexpr int kMaxYamlDepth = 64;
 
 // Parses a YAML text. Throws InputError with `source` and the line if it is not valid, or larger

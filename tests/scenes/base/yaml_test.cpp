@@ -42,6 +42,14 @@ TEST(ParseYaml, RefusesAliasesOfAliases) {
   EXPECT_THAT(ErrorFor(bomb), HasSubstr("has more than 200000 values"));
 }
 
+TEST(ParseYaml, RefusesManyAliasesOfALongText) {
+  // Less than 200000 values and 4 MiB, but a reader would copy 200 MiB.
+  std::string bomb = "a: [&x " + std::string(1 << 20, 'x');
+  for (int i = 0; i < 200; ++i) bomb += ", *x";
+  EXPECT_THAT(ErrorFor("b: 1\n" + bomb + "]\n"),
+              HasSubstr("a.yaml:2: has more than 4194304 bytes with the texts behind its aliases"));
+}
+
 TEST(ParseYaml, RefusesDeepNestingAndLargeTexts) {
   EXPECT_NE(ErrorFor(std::string(100, '[') + std::string(100, ']')), "no error");
   EXPECT_NE(ErrorFor(std::string(100000, '[')), "no error");
