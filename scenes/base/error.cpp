@@ -1,8 +1,12 @@
 #include "scenes/base/error.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <numeric>
+
+#include "scenes/base/message_text.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -48,7 +52,7 @@ std::string NearestName(std::string_view word, const std::vector<std::string>& c
 
 std::string UnknownNameMessage(std::string_view kind, std::string_view word,
                                const std::vector<std::string>& candidates) {
-  std::string message = "unknown " + std::string(kind) + " '" + std::string(word) + "'";
+  std::string message = fmt::format("unknown {} '{}'", kind, Printable(std::string(word)));
   const std::string nearest = NearestName(word, candidates);
   if (!nearest.empty()) message += "; did you mean '" + nearest + "'?";
   if (candidates.empty()) return message + "; none is known";

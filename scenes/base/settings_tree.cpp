@@ -4,6 +4,7 @@
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 #include "scenes/base/yaml.h"
 
 namespace pickbed::scenes {
@@ -35,6 +36,9 @@ SettingsTree ToTree(const YAML::Node& node, const std::string& source, const std
     tree.kind = SettingsTree::Kind::kMap;
     for (const auto& entry : node) {
       const std::string name = entry.first.as<std::string>("?");
+      CheckInput(Printable(name) == name,
+                 fmt::format("{}:{}: the key '{}' has a control character", source,
+                             entry.first.Mark().line + 1, Printable(name)));
       const SettingsTree* before = tree.Find(name);
       SettingsTree item = ToTree(entry.second, source, name);
       CheckInput(before == nullptr,

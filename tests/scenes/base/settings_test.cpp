@@ -165,6 +165,8 @@ TEST(Settings, ErrorsHoldFileLineKeyValueAndAllowedValues) {
       {"bin: [1]\n", {"cell.yaml:1:", "bin", "key: value"}},
       {"deep: true\ndeep: false\n",
        {"cell.yaml:2: deep = false: is given twice, before as true at cell.yaml:1"}},
+      {"\"de\\np\": 1\n", {"cell.yaml:1: unknown key 'de\\x0ap'"}},
+      {"mode: \"fa\\nst\"\n", {"cell.yaml:1: unknown mode 'fa\\x0ast'"}},
       {"seed: [\n", {"cell.yaml:", "not valid YAML"}},
   };
   for (const auto& c : cases) {

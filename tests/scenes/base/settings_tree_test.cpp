@@ -37,6 +37,11 @@ TEST(SettingsTree, TextsAreOneLineForAnyYamlStyle) {
   EXPECT_EQ(tree.Find("grid")->text, "{sensor: [a, b], pair: [{x: 1, y: 2}, {x: 3}]}");
 }
 
+TEST(SettingsTree, KeysWithControlCharactersAreRefusedInOneLine) {
+  const std::string error = ErrorOf([] { ReadSettingsTreeText("a: 1\n\"b\\nc\": 2\n", "f.yaml"); });
+  EXPECT_EQ(error, "f.yaml:2: the key 'b\\x0ac' has a control character");
+}
+
 TEST(SettingsTree, BlockIsReadIntoTheVisitedFields) {
   double wall_m = 0;
   int count = 0;
