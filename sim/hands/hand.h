@@ -33,8 +33,8 @@ class Hand {
   // switches the vacuum on. It holds from the first step in which the lip seals. After a failure,
   // it needs HoldOpening() first.
   virtual void Close() = 0;
-  // Returns whether contact alone makes the closed hand hold, so that it is closed before it
-  // approaches, and stops where it holds. Suction cup: true.
+  // Returns whether the closed hand holds as soon as it touches an instance. Such a hand closes
+  // before it approaches, and stops where it holds. Suction cup: true.
   virtual bool HoldsOnContact() const { return false; }
   // Returns the opening between the pads. Suction cup: the remaining travel of the bellows.
   virtual double opening_m() const = 0;

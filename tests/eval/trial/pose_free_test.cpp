@@ -241,7 +241,7 @@ TEST(PoseFreeTrial, CountsFailuresNearTheHand) {
   EXPECT_EQ(memory.FailuresNear(GraspAt(0.1), {}), 0);
 }
 
-// With poses, the place is that of the object, wherever the hand grasps it.
+// With poses, the place is that of the object. The hand can be at any side of it.
 TEST(PoseFreeTrial, CountsFailuresNearThePoseOfTheSameObject) {
   const auto at = [](int object, double x_m) {
     return EstimatedPose{ObjectId{object}, Translation({x_m, 0, 0}), 1};
