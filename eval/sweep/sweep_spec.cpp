@@ -4,8 +4,9 @@
 
 #include <array>
 #include <charconv>
-#include <cstdio>
 #include <map>
+#include <optional>
+#include <string_view>
 
 #include "eval/sweep/run.h"
 #include "scenes/base/error.h"
@@ -43,20 +44,33 @@ std::string ShortName(const std::string& assignment) {
                                            : assignment.substr(0, kLongestName - 3) + "...";
 }
 
+// The whole number that is the entire text, if it is one of 64 bits.
+std::optional<int64_t> WholeNumber(std::string_view text) {
+  int64_t number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [after, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && after == end ? std::optional(number) : std::nullopt;
+}
+
 // Expands "1..3" to 1, 2, 3; empty if the text is not a range.
 std::vector<std::string> RangeOf(const SettingsTree& entry) {
-  long long from = 0, to = 0;
-  int used = 0;
-  const int read = std::sscanf(entry.text.c_str(), "%lld..%lld%n", &from, &to, &used);
-  if (read != 2 || used != static_cast<int>(entry.text.size())) return {};
-  // Unsigned, because the difference of two numbers can exceed long long.
-  const auto steps = static_cast<unsigned long long>(to) - static_cast<unsigned long long>(from);
-  if (from > to) Fail(entry, "must be ascending, for example 1..10");
+  constexpr std::string_view kDots = "..";
+  const std::string_view text = entry.text;
+  const size_t dots = text.find(kDots);
+  if (dots == std::string_view::npos) return {};
+  const std::optional<int64_t> from = WholeNumber(text.substr(0, dots));
+  const std::optional<int64_t> to = WholeNumber(text.substr(dots + kDots.size()));
+  if (!from || !to) return {};
+  if (*from > *to) Fail(entry, "must be ascending, for example 1..10");
+  // Unsigned, because the difference of two numbers can exceed 64 bits.
+  const uint64_t steps = static_cast<uint64_t>(*to) - static_cast<uint64_t>(*from);
   if (steps >= kMaxConfigurations) {
     Fail(entry, fmt::format("has more than {} values", kMaxConfigurations));
   }
   std::vector<std::string> numbers;
-  for (long long number = from; number <= to; ++number) numbers.push_back(std::to_string(number));
+  for (uint64_t step = 0; step <= steps; ++step) {
+    numbers.push_back(std::to_string(*from + static_cast<int64_t>(step)));
+  }
   return numbers;
 }
 
@@ -165,14 +179,12 @@ std::vector<GridAxis> GridOf(const SettingsTree& grid) {
 
 int TrialsOf(const SettingsTree& entry) {
   constexpr int kMaxTrials = 1000000;  // as in a scenario
-  int trials = 0;
-  const char* const end = entry.text.data() + entry.text.size();
-  const auto [after, error] = std::from_chars(entry.text.data(), end, trials);
-  if (error != std::errc() || after != end || trials < 1 || trials > kMaxTrials) {
+  const std::optional<int64_t> trials = WholeNumber(entry.text);
+  if (!trials || *trials < 1 || *trials > kMaxTrials) {
     Fail(entry,
          fmt::format("must be a whole number from 1 to {} (bins per configuration)", kMaxTrials));
   }
-  return trials;
+  return static_cast<int>(*trials);
 }
 
 // A file next to the sweep file takes precedence over a preset.

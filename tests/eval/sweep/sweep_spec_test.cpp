@@ -168,6 +168,15 @@ TEST_F(SweepSpecTest, WrittenTextGivesTheSameSweep) {
   }
 }
 
+TEST_F(SweepSpecTest, ARangeEndsAtTheLargestNumber) {
+  const SweepSpec spec =
+      Load("scenario: demo\ngrid:\n  seed: 9223372036854775806..9223372036854775807\n");
+  ASSERT_EQ(spec.grid.size(), 1u);
+  ASSERT_EQ(spec.grid[0].values.size(), 2u);
+  EXPECT_EQ(spec.grid[0].values[0].name, "seed=9223372036854775806");
+  EXPECT_EQ(spec.grid[0].values[1].name, "seed=9223372036854775807");
+}
+
 struct BadSweep {
   const char* name;
   const char* yaml;
@@ -225,6 +234,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadSweep{"WidestRange",
                  "scenario: demo\ngrid:\n  seed: -9223372036854775808..9223372036854775807\n",
                  "sweep.yaml:3", "has more than"},
+        BadSweep{"RangeBeyond64Bits",
+                 "scenario: demo\ngrid:\n  seed: 18446744073709551610..18446744073709551612\n",
+                 "sweep.yaml:3", "must be a list of values"},
         BadSweep{"WithinItself", "scenario: demo\ngrid: {seed: [1]}\nset: &a [*a]\n", "sweep.yaml",
                  "refers to itself"},
         BadSweep{"TrialsBeyond32Bits", "scenario: demo\ntrials: -2147483649\ngrid: {seed: [1]}\n",
