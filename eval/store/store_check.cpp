@@ -110,6 +110,12 @@ void CheckTables(const Database& db) {
   CheckColumns<ConfigurationRow>(db, "configurations");
   ForEachTrialTable([&]<typename Row>(const char* table) { CheckColumns<Row>(db, table); });
   RequireNumbered(db, "configurations", "'all'", "configuration");
+  RequireNoRow(
+      db, "configurations",
+      fmt::format("SELECT rowid FROM configurations WHERE first_trial < 0 OR trials < 0 OR "
+                  "first_trial + trials > {}",
+                  kMaxStoredTrials),
+      fmt::format("its trials are not between 0 and {}", kMaxStoredTrials));
   RequireNoRow(db, "trials",
                "SELECT rowid FROM trials WHERE configuration NOT IN (SELECT configuration FROM "
                "configurations)",
@@ -118,8 +124,11 @@ void CheckTables(const Database& db) {
       db, "trials",
       fmt::format("SELECT rowid FROM trials WHERE status NOT IN ('{}', '{}')", kFinished, kCrashed),
       fmt::format("its status is neither {} nor {}", kFinished, kCrashed));
-  RequireNoRow(db, "trials", "SELECT rowid FROM trials WHERE trial IS NULL OR trial < 0",
-               "the number of the trial is missing or negative");
+  RequireNoRow(
+      db, "trials",
+      fmt::format("SELECT rowid FROM trials WHERE trial IS NULL OR trial < 0 OR trial >= {}",
+                  kMaxStoredTrials),
+      "the number of the trial is missing, negative or too large");
   ForEachTrialTable([&]<typename Row>(const char* table) {
     if (!std::is_same_v<Row, TrialRow>) RequireTrials(db, table);
   });

@@ -11,6 +11,7 @@
 #include "eval/runtime/results_folder.h"
 #include "eval/store/merge_rows.h"
 #include "eval/store/results_store.h"
+#include "eval/store/store_check.h"
 #include "scenes/base/error.h"
 #include "scenes/scenario/scenario_text.h"
 
@@ -144,6 +145,9 @@ class Plan {
         joined.configurations.push_back(std::move(configuration));
       }
       joined.identity += groups_[g].head.identity;
+      CheckInput(groups_[g].end_trial <= kMaxStoredTrials - next.trial,
+                 fmt::format("{}: the stores have more than {} trials together; merge fewer",
+                             folders_[g].string(), kMaxStoredTrials));
       next.trial += groups_[g].end_trial;
       next.configuration += static_cast<int>(groups_[g].head.configurations.size());
     }

@@ -124,6 +124,16 @@ TEST_F(MergeTest, ComparedRunsWithEqualNamesAreDistinguished) {
   EXPECT_THAT(names, ElementsAre("a/run", "x/b/run", "y/b/run", "other"));
 }
 
+TEST_F(MergeTest, MoreTrialsThanNumbersAreRefused) {
+  const auto a = Store("a", StubSweep(1, 2), {0}), b = Store("b", StubSweep(1, 3), {0});
+  Database(b / kStoreFile, Database::Mode::kExisting)
+      .Execute("UPDATE configurations SET trials = 1000000000");
+  const std::string error = ErrorOf([&] {
+    MergeStores({a, b}, folder_ / "out", {.compare = true});
+  });
+  EXPECT_THAT(error, HasSubstr("b: the stores have more than 1000000000 trials together"));
+}
+
 TEST_F(MergeTest, DamagedInputIsNamedAndNotTheCopy) {
   const Sweep sweep = StubSweep(1, 4);
   const auto a = Store("a", sweep, {0, 1}), b = Store("b", sweep, {2});
