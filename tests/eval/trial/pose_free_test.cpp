@@ -241,7 +241,7 @@ TEST(PoseFreeTrial, CountsFailuresNearTheHand) {
   EXPECT_EQ(memory.FailuresNear(GraspAt(0.1), {}), 0);
 }
 
-// With poses, the place is that of the object. The hand can be at any side of it.
+// With poses, failures are counted by the place of the object, not of the hand.
 TEST(PoseFreeTrial, CountsFailuresNearThePoseOfTheSameObject) {
   const auto at = [](int object, double x_m) {
     return EstimatedPose{ObjectId{object}, Translation({x_m, 0, 0}), 1};
