@@ -69,7 +69,7 @@ std::optional<WrenchSet> JawHold::At(const Pose& X_OG, double opening_m,
 
 void JudgeJawGrasps(const ObjectModel& model, const HandSpec& hand, double clearance_m,
                     const SurfacePoints& surface, const RobustOptions& options, uint64_t seed,
-                    std::vector<GraspCandidate>& candidates) {
+                    std::vector<GraspCandidate>& candidates, const WrenchDepthOptions& depth) {
   const JawHold jaw{model, hand, surface, options};
   for (GraspCandidate& candidate : candidates) {
     const auto opening = JawOpening_m(hand, clearance_m, candidate.width_m);
@@ -78,7 +78,7 @@ void JudgeJawGrasps(const ObjectModel& model, const HandSpec& hand, double clear
       return jaw.At(X_OG, *opening, factor);
     };
     if (const auto set = hold(candidate.X_OG, 1)) {
-      candidate.epsilon = DepthOfZero(*set, {.tolerance = options.epsilon_tolerance}).lower;
+      candidate.epsilon = DepthOfZero(*set, depth).lower;
     }
     candidate.robust = RobustShare(model, candidate.X_OG, hold, Rng(seed), options);
   }

@@ -46,8 +46,6 @@ void RobustOptions::Visit(SettingsVisitor& v) {
          "lower limit of the sampled factors of friction and mass");
   v.Integer("cone_edges", cone_edges, {3, 64},
             "edges of the pyramid that approximates a friction cone");
-  v.Real("epsilon_tolerance", epsilon_tolerance, {1e-6, 0.5},
-         "relative error of epsilon, which is rounded down");
 }
 
 double WrenchForce_n(const ObjectModel& model) { return model.mass.mass_kg * kGravity_mps2; }

@@ -29,9 +29,8 @@ struct RobustOptions {
   // Surface within this distance of the first touch is in contact. The band is wider than in
   // AntipodalOptions, because the object rotates into the pads.
   double touch_band_m = 0.002;
-  double min_factor = 0.05;         // lower bound of the sampled factors of friction and mass
-  int cone_edges = 8;               // edges of the pyramid that replaces a friction cone
-  double epsilon_tolerance = 1e-3;  // relative error of epsilon, which is rounded down
+  double min_factor = 0.05;  // lower bound of the sampled factors of friction and mass
+  int cone_edges = 8;        // edges of the pyramid that replaces a friction cone
   void Visit(SettingsVisitor& v);
 };
 

@@ -112,9 +112,7 @@ std::vector<GraspCandidate> SuctionGrasps(const ObjectModel& model, const CupSpe
     return CupWrenches(model, cup, X_OG, seal.compression_m, factor, robust.cone_edges);
   };
   for (GraspCandidate& candidate : chosen) {
-    if (const auto set = hold(candidate.X_OG, 1)) {
-      candidate.epsilon = DepthOfZero(*set, {.tolerance = robust.epsilon_tolerance}).lower;
-    }
+    if (const auto set = hold(candidate.X_OG, 1)) candidate.epsilon = DepthOfZero(*set).lower;
     candidate.robust = RobustShare(model, candidate.X_OG, hold, errors, robust);
   }
   return chosen;

@@ -100,24 +100,24 @@ TEST_F(JawHolds, ALooseToleranceGivesALowerBoundOfEpsilon) {
   GraspCandidate centered;
   centered.X_OG = at_center_;
   centered.width_m = 0.05;
-  const auto judged = [&](const RobustOptions& options) {
+  RobustOptions options;
+  options.position_m = options.rotation_rad = 0.0001;
+  const auto judged = [&](int samples, double tolerance) {
+    options.samples = samples;
     std::vector<GraspCandidate> one{centered};
-    JudgeJawGrasps(*box_, hand_, SmallJaw().clearance_m, surface_, options, 1, one);
+    JudgeJawGrasps(*box_, hand_, SmallJaw().clearance_m, surface_, options, 1, one,
+                   {.tolerance = tolerance});
     return one[0];
   };
-  RobustOptions exact, loose;
-  exact.samples = loose.samples = 0;
-  loose.position_m = loose.rotation_rad = 0.0001;
-  exact.epsilon_tolerance = 1e-6;
-  loose.epsilon_tolerance = 0.3;
-  const double epsilon = judged(exact).epsilon;
+  const double epsilon = judged(0, 1e-6).epsilon;
+  constexpr double kLoose = 0.3;
+  const GraspCandidate loose = judged(0, kLoose);
   ASSERT_GT(epsilon, 0);
-  EXPECT_LE(judged(loose).epsilon, epsilon);
-  EXPECT_GE(judged(loose).epsilon, (1 - loose.epsilon_tolerance) * epsilon);
-  EXPECT_LT(judged(loose).epsilon, (1 - 1e-4) * epsilon);  // the tolerance is used
-  EXPECT_EQ(judged(loose).robust, 0);
-  loose.samples = 1;
-  EXPECT_EQ(judged(loose).robust, 1);
+  EXPECT_LE(loose.epsilon, epsilon);
+  EXPECT_GE(loose.epsilon, (1 - kLoose) * epsilon);
+  EXPECT_LT(loose.epsilon, (1 - 1e-4) * epsilon);  // the tolerance is used
+  EXPECT_EQ(loose.robust, 0);
+  EXPECT_EQ(judged(1, kLoose).robust, 1);
 }
 
 // The pads hold a bar by friction 2 mu F = 40 N. Gripped beside its center, the weight rotates it
