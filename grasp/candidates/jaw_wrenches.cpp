@@ -67,9 +67,23 @@ std::optional<WrenchSet> JawHold::At(const Pose& X_OG, double opening_m,
   return set;
 }
 
+void SetJawEpsilon(const ObjectModel& model, const HandSpec& hand, double clearance_m,
+                   const SurfacePoints& surface, const RobustOptions& options,
+                   std::vector<GraspCandidate>& candidates, const WrenchDepthOptions& depth) {
+  const JawHold jaw{model, hand, surface, options};
+  for (GraspCandidate& candidate : candidates) {
+    const auto opening = JawOpening_m(hand, clearance_m, candidate.width_m);
+    if (!opening) continue;
+    if (const auto set = jaw.At(candidate.X_OG, *opening, 1)) {
+      candidate.epsilon = DepthOfZero(*set, depth).lower;
+    }
+  }
+}
+
 void JudgeJawGrasps(const ObjectModel& model, const HandSpec& hand, double clearance_m,
                     const SurfacePoints& surface, const RobustOptions& options, uint64_t seed,
-                    std::vector<GraspCandidate>& candidates, const WrenchDepthOptions& depth) {
+                    std::vector<GraspCandidate>& candidates) {
+  SetJawEpsilon(model, hand, clearance_m, surface, options, candidates);
   const JawHold jaw{model, hand, surface, options};
   for (GraspCandidate& candidate : candidates) {
     const auto opening = JawOpening_m(hand, clearance_m, candidate.width_m);
@@ -77,9 +91,6 @@ void JudgeJawGrasps(const ObjectModel& model, const HandSpec& hand, double clear
     const auto hold = [&](const Pose& X_OG, double factor) {
       return jaw.At(X_OG, *opening, factor);
     };
-    if (const auto set = hold(candidate.X_OG, 1)) {
-      candidate.epsilon = DepthOfZero(*set, depth).lower;
-    }
     candidate.robust = RobustShare(model, candidate.X_OG, hold, Rng(seed), options);
   }
 }

@@ -32,10 +32,15 @@ struct JawHold {
 // Up to 8 points of the rim of a patch in G, contracted as described above.
 std::vector<Eigen::Vector3d> RimPoints(const PadPatch& patch);
 
-// Sets epsilon and robust of each candidate. `clearance_m`: see AntipodalGrasps. `depth` has the
-// tolerance of epsilon, which is rounded down. Candidates beyond the stroke are left unchanged.
+// Sets epsilon of each candidate, rounded down by at most the tolerance of `depth`. `clearance_m`:
+// see AntipodalGrasps. Candidates beyond the stroke are left unchanged.
+void SetJawEpsilon(const ObjectModel& model, const HandSpec& hand, double clearance_m,
+                   const SurfacePoints& surface, const RobustOptions& options,
+                   std::vector<GraspCandidate>& candidates, const WrenchDepthOptions& depth = {});
+
+// Sets epsilon and robust of each candidate in the same way.
 void JudgeJawGrasps(const ObjectModel& model, const HandSpec& hand, double clearance_m,
                     const SurfacePoints& surface, const RobustOptions& options, uint64_t seed,
-                    std::vector<GraspCandidate>& candidates, const WrenchDepthOptions& depth = {});
+                    std::vector<GraspCandidate>& candidates);
 
 }  // namespace pickbed::grasp

@@ -27,8 +27,7 @@ Vector3d DownInHand(double tilt_rad, Rng& rng) {
 }  // namespace
 
 void RobustOptions::Visit(SettingsVisitor& v) {
-  v.Integer("samples", samples, {0, 100000},
-            "number of sampled errors per candidate; 0 computes no share");
+  v.Integer("samples", samples, {1, 100000}, "number of sampled errors per candidate");
   v.Real("position_m", position_m, {0, 0.1},
          "standard deviation of the hand position relative to the object per axis, m");
   v.Real("rotation_rad", rotation_rad, {0, 1}, "standard deviation of the rotation, rad");
@@ -54,7 +53,6 @@ double WrenchRadius_m(const ObjectModel& model) { return 0.5 * model.diameter_m;
 
 double RobustShare(const ObjectModel& model, const Pose& X_OG, const HoldFunction& hold, Rng rng,
                    const RobustOptions& options) {
-  if (options.samples == 0) return 0;
   int held = 0;
   for (int i = 0; i < options.samples; ++i) {
     Pose X_OS = X_OG;

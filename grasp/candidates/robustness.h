@@ -17,9 +17,8 @@ namespace pickbed::grasp {
 
 // Sampled errors and load of the robustness test.
 struct RobustOptions {
-  // Every candidate gets the same errors, so that shares are comparable. 0: no share is computed.
-  int samples = 32;
-  double position_m = 0.002;    // sigma per axis of the hand position relative to the object
+  int samples = 32;           // every candidate gets the same errors, so that shares are comparable
+  double position_m = 0.002;  // sigma per axis of the hand position relative to the object
   double rotation_rad = 0.035;  // sigma of the rotation about a random axis
   double friction_share = 0.2;  // sigma, as a share of the pair friction
   double mass_share = 0.1;      // sigma, as a share of the mass of the object
@@ -44,8 +43,8 @@ double WrenchRadius_m(const ObjectModel& model);
 using HoldFunction =
     std::function<std::optional<WrenchSet>(const Pose& X_OG, double friction_factor)>;
 
-// Share 0..1 of samples in which the grasp balances weight and lift; 0 without samples. `rng` is
-// taken by value, so that every candidate sees the same samples.
+// Share 0..1 of samples in which the grasp balances weight and lift. `rng` is taken by value, so
+// that every candidate sees the same samples.
 double RobustShare(const ObjectModel& model, const Pose& X_OG, const HoldFunction& hold, Rng rng,
                    const RobustOptions& options);
 

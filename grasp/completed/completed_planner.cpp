@@ -114,10 +114,11 @@ std::vector<GraspCandidate> CandidatesOf(const ObjectModel& model, const Gripper
   if (candidates.empty()) return candidates;
   const SurfacePoints surface = SpreadPoints(model.mesh_O, antipodal.point_spacing_m,
                                              antipodal.min_points, antipodal.max_points, rng);
-  // Epsilon only orders the candidates, so that a rough value is enough.
+  // The chance of success takes the place of the robustness. Epsilon only orders the candidates, so
+  // that a rough value is enough.
   constexpr double kEpsilonTolerance = 0.1;
-  JudgeJawGrasps(model, jaw->hand, jaw->clearance_m, surface, options.robust, rng.Next(),
-                 candidates, {.tolerance = kEpsilonTolerance});
+  SetJawEpsilon(model, jaw->hand, jaw->clearance_m, surface, options.robust, candidates,
+                {.tolerance = kEpsilonTolerance});
   return candidates;
 }
 
@@ -167,7 +168,7 @@ CompletedPlannerOptions::CompletedPlannerOptions() {
   candidates.suction.max_samples = 600;
   candidates.suction.min_points = 800;
   candidates.suction.max_points = 1500;
-  candidates.robust.samples = 0;  // the chance of success takes the place of the robustness
+  candidates.robust.samples = 1;
   candidates.robust.cone_edges = 4;
 }
 

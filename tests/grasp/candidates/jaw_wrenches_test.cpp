@@ -95,29 +95,23 @@ TEST_F(JawHolds, RobustnessFallsWithErrorsAndWeight) {
   EXPECT_EQ(robustness(options), 0);
 }
 
-// Epsilon is rounded down by at most the tolerance, and the share needs samples.
-TEST_F(JawHolds, ALooseToleranceGivesALowerBoundOfEpsilon) {
+// A loose tolerance gives a lower bound of epsilon within the tolerance.
+TEST_F(JawHolds, EpsilonIsRoundedDownWithinTheTolerance) {
   GraspCandidate centered;
   centered.X_OG = at_center_;
   centered.width_m = 0.05;
-  RobustOptions options;
-  options.position_m = options.rotation_rad = 0.0001;
-  const auto judged = [&](int samples, double tolerance) {
-    options.samples = samples;
+  const auto epsilon = [&](double tolerance) {
     std::vector<GraspCandidate> one{centered};
-    JudgeJawGrasps(*box_, hand_, SmallJaw().clearance_m, surface_, options, 1, one,
-                   {.tolerance = tolerance});
-    return one[0];
+    SetJawEpsilon(*box_, hand_, SmallJaw().clearance_m, surface_, {}, one,
+                  {.tolerance = tolerance});
+    EXPECT_EQ(one[0].robust, centered.robust);
+    return one[0].epsilon;
   };
-  const double epsilon = judged(0, 1e-6).epsilon;
   constexpr double kLoose = 0.3;
-  const GraspCandidate loose = judged(0, kLoose);
-  ASSERT_GT(epsilon, 0);
-  EXPECT_LE(loose.epsilon, epsilon);
-  EXPECT_GE(loose.epsilon, (1 - kLoose) * epsilon);
-  EXPECT_LT(loose.epsilon, (1 - 1e-4) * epsilon);  // the tolerance is used
-  EXPECT_EQ(loose.robust, 0);
-  EXPECT_EQ(judged(1, kLoose).robust, 1);
+  const double exact = epsilon(1e-6), loose = epsilon(kLoose);
+  ASSERT_GT(exact, 0);
+  EXPECT_LT(loose, (1 - 1e-4) * exact);  // the tolerance is used
+  EXPECT_GE(loose, (1 - kLoose) * exact);
 }
 
 // The pads hold a bar by friction 2 mu F = 40 N. Gripped beside its center, the weight rotates it
