@@ -65,7 +65,7 @@ invalid_training_requests_are_refused() {
   head -c 1000 /dev/urandom >broken.net
   refused "broken.net" "$pickbed" train rod --from broken.net
   refused "did you mean 'rod'" "$pickbed" train rodd
-  refused "groups = 3" "$pickbed" train grasps --groups 3 --data examples --out grasps.net
+  refused "--groups: Value 3 not in range" "$pickbed" train grasps --groups 3 --data examples --out grasps.net
   refused "unknown key 'grids'" "$pickbed" train grasps --set grids=3 --out grasps.net
   refused "unknown sensor 'sonar'" "$pickbed" train rod --sensor sonar
   refused "no new.net.checkpoint to resume" "$pickbed" train rod --out new.net --resume
