@@ -4,6 +4,7 @@
 
 #include <array>
 #include <charconv>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -144,16 +145,32 @@ const PlacedSetting* SettingOf(const GridAxis& axis, const std::string& key) {
   return nullptr;
 }
 
-// Otherwise the later axis would win, and the names of configurations would be wrong.
-void RequireApart(const GridAxis& axis, const std::vector<GridAxis>& others) {
-  for (const GridAxis& other : others) {
-    for (const GridValue& value : axis.values) {
-      for (const PlacedSetting& setting : value.settings) {
-        const PlacedSetting* duplicate = SettingOf(other, KeyOf(setting));
-        CheckInput(duplicate == nullptr,
-                   fmt::format("{}: {}: {} also sets {}; keep only one of them", setting.place,
-                               setting.assignment, other.key, duplicate ? KeyOf(*duplicate) : ""));
-      }
+// Settings of the axes read so far: key, and the axis that sets it.
+using AxisOfKey = std::map<std::string, std::string, std::less<>>;
+
+// Returns the entry whose key overlaps with `key`, or the end. Logarithmic, because a grid can have
+// thousands of keys.
+AxisOfKey::const_iterator OverlappingKey(const AxisOfKey& axis_of_key, const std::string& key) {
+  for (size_t end = key.find('.'); end < key.size(); end = key.find('.', end + 1)) {
+    const auto group = axis_of_key.find(std::string_view(key).substr(0, end));
+    if (group != axis_of_key.end()) return group;
+  }
+  const auto same = axis_of_key.find(key);
+  if (same != axis_of_key.end()) return same;
+  const auto inside = axis_of_key.lower_bound(key + ".");
+  const bool overlaps = inside != axis_of_key.end() && Overlap(inside->first, key);
+  return overlaps ? inside : axis_of_key.end();
+}
+
+// Refuses a key that an earlier axis sets. Otherwise the later axis would win, and the names of
+// configurations would be wrong.
+void RequireApart(const GridAxis& axis, const AxisOfKey& earlier) {
+  for (const GridValue& value : axis.values) {
+    for (const PlacedSetting& setting : value.settings) {
+      const auto other = OverlappingKey(earlier, KeyOf(setting));
+      if (other == earlier.end()) continue;
+      throw InputError(fmt::format("{}: {}: {} also sets {}; keep only one of them", setting.place,
+                                   setting.assignment, other->second, other->first));
     }
   }
 }
@@ -165,10 +182,16 @@ std::vector<GridAxis> GridOf(const SettingsTree& grid) {
          "time_of_flight]");
   }
   std::vector<GridAxis> axes;
+  AxisOfKey axis_of_key;
   size_t configurations = 1;
   for (const SettingsTree& entry : grid.items) {
     GridAxis axis = AxisOf(entry);
-    RequireApart(axis, axes);
+    RequireApart(axis, axis_of_key);
+    for (const GridValue& value : axis.values) {
+      for (const PlacedSetting& setting : value.settings) {
+        axis_of_key.emplace(KeyOf(setting), axis.key);
+      }
+    }
     axes.push_back(std::move(axis));
     configurations *= axes.back().values.size();
     if (configurations > kMaxConfigurations)
@@ -302,6 +325,15 @@ std::string WithCurrentNames(const std::string& yaml) {
   return text;
 }
 
+// The numbers of all trials of a sweep fit into an int.
+void CheckTrials(int trials, size_t configurations, const std::string& sweep) {
+  const size_t most = std::numeric_limits<int>::max() / configurations;
+  CheckInput(static_cast<size_t>(trials) <= most,
+             fmt::format("sweep {}: {} trials of each of {} configurations are too many; give at "
+                         "most {} trials, or fewer values in the grid",
+                         sweep, trials, configurations, most));
+}
+
 }  // namespace
 
 std::span<const SweepKey> SweepKeys() { return kSweepKeys; }
@@ -367,17 +399,18 @@ void SetForAll(const std::string& assignment, SweepSpec& spec) {
 }
 
 std::vector<GridValue> GridConfigurations(const SweepSpec& spec) {
-  std::vector<GridValue> configurations{{"", spec.set}};
+  size_t count = 1;
+  for (const GridAxis& axis : spec.grid) count *= axis.values.size();
+  std::vector<GridValue> configurations(count, {"", spec.set});
+  size_t repeats = count;  // of a value of the axis in a row; the last axis varies fastest
   for (const GridAxis& axis : spec.grid) {
-    std::vector<GridValue> longer;
-    for (const GridValue& configuration : configurations) {
-      for (const GridValue& value : axis.values) {
-        GridValue& made = longer.emplace_back(configuration);
-        made.name += (made.name.empty() ? "" : ",") + value.name;
-        made.settings.insert(made.settings.end(), value.settings.begin(), value.settings.end());
-      }
+    repeats /= axis.values.size();
+    for (size_t i = 0; i < count; ++i) {
+      const GridValue& value = axis.values[i / repeats % axis.values.size()];
+      GridValue& made = configurations[i];
+      made.name += (made.name.empty() ? "" : ",") + value.name;
+      made.settings.insert(made.settings.end(), value.settings.begin(), value.settings.end());
     }
-    configurations = std::move(longer);
   }
   return configurations;
 }
@@ -386,8 +419,11 @@ Sweep MakeSweep(const SweepSpec& spec, const std::filesystem::path& out,
                 const std::string& catalog) {
   Sweep sweep;
   sweep.yaml = SweepText(spec, out);
+  const std::vector<GridValue> values = GridConfigurations(spec);
+  // Before the scenarios are loaded, which takes minutes for thousands of configurations.
+  if (spec.trials) CheckTrials(*spec.trials, values.size(), spec.name);
   int next_trial = 0;
-  for (const GridValue& value : GridConfigurations(spec)) {
+  for (const GridValue& value : values) {
     Configuration& configuration = sweep.configurations.emplace_back();
     configuration.number = static_cast<int>(sweep.configurations.size()) - 1;
     configuration.name = value.name;
@@ -398,6 +434,7 @@ Sweep MakeSweep(const SweepSpec& spec, const std::filesystem::path& out,
       configuration.identity = RunIdentity(configuration.spec, configuration.objects);
       return true;
     });
+    CheckTrials(configuration.spec.trials, values.size(), spec.name);
     configuration.first_trial = next_trial;
     configuration.trials = configuration.spec.trials;
     next_trial += configuration.trials;

@@ -65,6 +65,12 @@ TEST_F(SweepSpecTest, EachErrorOfTheCellIsAnAxis) {
   }
 }
 
+TEST_F(SweepSpecTest, RefusesMoreTrialsThanNumbersForThem) {
+  EXPECT_THAT(ErrorOf([&] { Make("scenario: demo\ntrials: 1000000\ngrid: {seed: 1..2148}\n"); }),
+              HasSubstr("sweep sweep: 1000000 trials of each of 2148 configurations are too many; "
+                        "give at most 999759 trials"));
+}
+
 TEST_F(SweepSpecTest, OneAxisCanSetSeveralKeys) {
   EXPECT_THAT(Names("scenario: demo\n"
                     "grid:\n"
@@ -103,6 +109,8 @@ TEST_F(SweepSpecTest, KeySetByTwoAxesIsRefusedWithItsLine) {
               HasSubstr("sweep.yaml:5: estimator.name=ppf: method also sets estimator.name"));
   EXPECT_THAT(error("  method:\n    exact: {estimator: {name: oracle}}\n  estimator.name: [ppf]\n"),
               HasSubstr("method also sets estimator"));
+  EXPECT_THAT(error("  estimator.name: [ppf]\n  method:\n    exact: {estimator: {name: oracle}}\n"),
+              HasSubstr("sweep.yaml:5: estimator={name: oracle}: estimator.name also sets"));
   EXPECT_EQ(Names("scenario: demo\ngrid:\n  estimator.name: [oracle]\n"
                   "  estimator.noise_mm: [1, 2]\n")
                 .size(),
