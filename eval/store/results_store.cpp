@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 #include "eval/store/schema_internal.h"
 #include "eval/store/settings_difference.h"
@@ -234,10 +235,13 @@ void ResultsStore::Write(const TrialResult& result) {
   }
   for (const auto& [stage, seconds] : result.seconds) timings.push_back({trial, stage, seconds});
 
+  TrialRow row{trial, result, impl_->SeedOf(result.configuration), kFinished, /*crash=*/""};
+  row.child_rows =
+      static_cast<int>(attempts.size() + hypotheses.size() + metrics.size() + instances.size() +
+                       outcomes.size() + rejections.size() + refusals.size() + bands.size());
   const Database& db = impl_->db;
   Transaction transaction(db);
-  Insert<TrialRow>(db, "trials",
-                   {{trial, result, impl_->SeedOf(result.configuration), kFinished, /*crash=*/""}});
+  Insert<TrialRow>(db, "trials", {row});
   Insert(db, "attempts", std::move(attempts));
   Insert(db, "hypotheses", std::move(hypotheses));
   Insert(db, "hypothesis_metrics", std::move(metrics));
@@ -334,10 +338,13 @@ std::vector<TrialResult> ResultsStore::Read(int first, int end) const {
   const std::string range =
       fmt::format("WHERE trial >= {} AND trial < {} ORDER BY trial, rowid", first, end);
   std::vector<TrialResult> results;
+  std::vector<int> rows_written, rows_found;  // of each result in the other tables
   std::map<int, size_t> index;
   for (TrialRow& row : Select<TrialRow>(db, "trials", range)) {
     if (row.status == kCrashed) continue;
     index[row.trial] = results.size();
+    rows_written.push_back(row.child_rows);
+    rows_found.push_back(0);
     results.push_back(std::move(row.result));
     results.back().trial = row.trial;
   }
@@ -347,6 +354,7 @@ std::vector<TrialResult> ResultsStore::Read(int first, int end) const {
   const auto of = [&](const char* table, int trial) -> TrialResult& {
     const auto found = index.find(trial);
     if (found == index.end()) fail(table, trial, "table 'trials' has no such finished trial");
+    rows_found[found->second] += std::string_view(table) != "timings";
     return results[found->second];
   };
   const auto attempt_of = [&](const char* table, int trial, int attempt) -> AttemptRecord& {
@@ -437,6 +445,11 @@ std::vector<TrialResult> ResultsStore::Read(int first, int end) const {
     } catch (const InputError& error) {
       ThrowDamaged(db, "trials", fmt::format("trial {}", result.trial), error.what());
     }
+  }
+  for (size_t i = 0; i < results.size(); ++i) {
+    if (rows_found[i] == rows_written[i]) continue;
+    fail("trials", results[i].trial,
+         fmt::format("the other tables have {} of its {} rows", rows_found[i], rows_written[i]));
   }
   return results;
 }

@@ -142,6 +142,15 @@ void FillConfigurationOfVersion4(const Database& db) {
 
 }  // namespace
 
+std::string ChildRowsOfTrial() {
+  std::string sum = "0";
+  ForEachTrialTable([&]<typename Row>(const char* table) {
+    if (std::is_same_v<Row, TrialRow> || std::is_same_v<Row, TimingRow>) return;
+    sum += fmt::format(" + (SELECT count(*) FROM {0} WHERE {0}.trial = trials.trial)", table);
+  });
+  return sum;
+}
+
 void RequireKnownVersion(const Database& db) {
   const std::string text = db.Setting("schema_version");
   if (text.empty()) return;  // a new file
@@ -187,6 +196,7 @@ void Migrate(const Database& db) {
   RenameToSchema6(db);  // changes nothing in a later version
   RequireTable<ConfigurationRow>(db, "configurations");
   const bool has_raw_scores = HasColumn(db, "hypotheses", "raw_score");
+  const bool has_child_rows = HasColumn(db, "trials", "child_rows");
   ForEachTrialTable([&]<typename Row>(const char* table) {
     RequireTable<Row>(db, table);
     const bool one_row = std::is_same_v<Row, TrialRow>;
@@ -196,6 +206,7 @@ void Migrate(const Database& db) {
   });
   MoveMetrics(db);
   if (!has_raw_scores) db.Execute("UPDATE hypotheses SET raw_score = score");
+  if (!has_child_rows) db.Execute("UPDATE trials SET child_rows = " + ChildRowsOfTrial());
   if (version == "4") FillConfigurationOfVersion4(db);
   if (!version.empty()) WriteHead(db, WithCurrentNames(ReadHead(db)));
   Statement insert(db, "INSERT OR REPLACE INTO settings VALUES ('schema_version', ?)");

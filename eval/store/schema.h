@@ -34,6 +34,9 @@ struct TrialRow {
   uint64_t seed = 0;
   std::string status = kFinished;
   std::string crash;  // reason of the crash
+  // Number of rows of the trial in the other tables. It shows that none was removed. `timings` is
+  // not counted, because the stages of a trial may differ between versions of the program.
+  int child_rows = 0;
   template <typename V>
   void Visit(V&& v) {
     v("trial", trial);
@@ -57,6 +60,7 @@ struct TrialRow {
     v("layers", result.layers);
     v("instances_tested", result.instances_tested);
     v("instances_graspable", result.instances_graspable);
+    v("child_rows", child_rows);
   }
 };
 

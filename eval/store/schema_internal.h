@@ -5,13 +5,15 @@
 // A new version that only adds tables or columns needs new rows (eval/store/schema.h) and a higher
 // number here. A version that computes new contents from old ones also needs a step in Migrate().
 
+#include <string>
+
 #include "eval/store/schema.h"
 #include "eval/store/sqlite.h"
 
 namespace pickbed::eval {
 
-// 10: scores before calibration
-inline constexpr int kSchemaVersion = 10;
+// 11: number of rows of each trial
+inline constexpr int kSchemaVersion = 11;
 inline constexpr int kOldestSchemaVersion = 4;  // oldest version that can be migrated
 
 // Calls visit.template operator()<Row>("table") for each table whose rows belong to a trial.
@@ -28,6 +30,10 @@ void ForEachTrialTable(Visitor&& visit) {
   visit.template operator()<BandRow>("bands");
   visit.template operator()<TimingRow>("timings");
 }
+
+// Returns an SQL expression for the number of rows that trial `trials.trial` has in the other
+// tables (TrialRow::child_rows).
+std::string ChildRowsOfTrial();
 
 // Throws InputError for a store of a later version, or of a version that is too old.
 void RequireKnownVersion(const Database& db);

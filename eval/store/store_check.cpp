@@ -167,6 +167,10 @@ void CheckRows(const Database& db) {
   RequireUnique(db, "timings", "trial, stage");
   RequireNoRow(db, "timings", "SELECT rowid FROM timings WHERE seconds < 0",
                "its duration is negative");
+  RequireNoRow(db, "trials",
+               fmt::format("SELECT rowid FROM trials WHERE status = '{}' AND child_rows <> {}",
+                           kFinished, ChildRowsOfTrial()),
+               "the other tables have too few or too many rows of this trial");
   ForEachRow<TimingRow>(db, "timings", "GROUP BY stage", [&](const TimingRow& row) {
     ReadAt(db, "timings", fmt::format("trial {}", row.trial), [&] { CheckTiming(row); });
   });

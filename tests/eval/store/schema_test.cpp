@@ -202,6 +202,7 @@ constexpr AddedColumn kAddedColumns[] = {
     {9, "trials", "instances_tested"},
     {9, "trials", "layers"},
     {10, "hypotheses", "raw_score"},
+    {11, "trials", "child_rows"},
 };
 
 // Returns all values of the columns that a version has, in the order of the columns' names.
@@ -254,6 +255,7 @@ TEST_P(EarlierSchema, IsMigratedWithAllItsValuesAndContinued) {
   ResultsStore store(folder_, kSettings);
   EXPECT_EQ(ValuesOfVersion(folder_, version), before);
   for (const TrialResult& trial : store.ReadAll()) {
+    if (version >= 10) break;  // these have raw scores
     for (const HypothesisRecord& hypothesis : trial.attempts.at(0).hypotheses) {
       EXPECT_EQ(hypothesis.raw_score, hypothesis.score);
     }
@@ -263,7 +265,7 @@ TEST_P(EarlierSchema, IsMigratedWithAllItsValuesAndContinued) {
   ExpectSameTrial(store.Read(2, 3).at(0), FullTrial(2));
 }
 
-INSTANTIATE_TEST_SUITE_P(Versions, EarlierSchema, testing::Values(6, 7, 8, 9));
+INSTANTIATE_TEST_SUITE_P(Versions, EarlierSchema, testing::Values(6, 7, 8, 9, 10));
 
 TEST_F(ResultsSchemaTest, RefusesUnknownVersionsInOneLine) {
   ResultsStore(folder_, "s").Write(FullTrial(0));

@@ -165,6 +165,16 @@ INSTANTIATE_TEST_SUITE_P(
         EditedStore{
             "INSERT INTO hypothesis_metrics SELECT * FROM hypothesis_metrics WHERE rowid = 1",
             "has the metric 'mssd_m' of hypothesis 0 twice"},
+        EditedStore{"DELETE FROM rejections WHERE rowid = 1",
+                    "table 'trials', trial 0: the other tables have "},
+        EditedStore{"DELETE FROM refusals WHERE rowid = 2",
+                    "table 'trials', trial 0: the other tables have "},
+        EditedStore{"DELETE FROM instance_outcomes WHERE trial = 2",
+                    "table 'trials', trial 2: the other tables have "},
+        EditedStore{"DELETE FROM instances WHERE trial = 1 AND attempt = 0",
+                    "table 'trials', trial 1: the other tables have "},
+        EditedStore{"UPDATE trials SET child_rows = child_rows + 1 WHERE trial = 1",
+                    "table 'trials', trial 1: the other tables have "},
         EditedStore{"DELETE FROM configurations", "has no such configuration"},
         EditedStore{"ALTER TABLE attempts DROP COLUMN slip_m",
                     "table 'attempts' has no column 'slip_m'"},
@@ -176,6 +186,8 @@ TEST_F(StoreCheck, RowsAreCheckedTogetherBeforeTheyAreCopied) {
     return Refusal([&] { ResultsStore::OpenToRead(temporary_.path(), StoreChecks::kRows); });
   };
   EXPECT_EQ(error(), "");
+  Edit("UPDATE trials SET child_rows = child_rows + 1 WHERE trial = 1");
+  EXPECT_THAT(error(), HasSubstr("table 'trials', row 2: the other tables have too few"));
   Edit("UPDATE hypothesis_metrics SET hypothesis = 99 WHERE rowid = 1");
   EXPECT_THAT(error(), HasSubstr("table 'hypothesis_metrics', row 1: table 'hypotheses' has no"));
   Edit("UPDATE hypotheses SET attempt = 7 WHERE rowid = 2");
