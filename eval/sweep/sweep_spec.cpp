@@ -327,11 +327,11 @@ std::string WithCurrentNames(const std::string& yaml) {
 
 // The numbers of all trials of a sweep fit into an int.
 void CheckTrials(int trials, size_t configurations, const std::string& sweep) {
-  const size_t most = std::numeric_limits<int>::max() / configurations;
-  CheckInput(static_cast<size_t>(trials) <= most,
+  const size_t limit = std::numeric_limits<int>::max() / configurations;
+  CheckInput(static_cast<size_t>(trials) <= limit,
              fmt::format("sweep {}: {} trials of each of {} configurations are too many; give at "
                          "most {} trials, or fewer values in the grid",
-                         sweep, trials, configurations, most));
+                         sweep, trials, configurations, limit));
 }
 
 }  // namespace
