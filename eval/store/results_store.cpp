@@ -235,13 +235,15 @@ void ResultsStore::Write(const TrialResult& result) {
   }
   for (const auto& [stage, seconds] : result.seconds) timings.push_back({trial, stage, seconds});
 
-  TrialRow row{trial, result, impl_->SeedOf(result.configuration), kFinished, /*crash=*/""};
-  row.child_rows =
-      static_cast<int>(attempts.size() + hypotheses.size() + metrics.size() + instances.size() +
-                       outcomes.size() + rejections.size() + refusals.size() + bands.size());
+  // Without the timings: the stages of a trial may differ between versions of the program.
+  const size_t child_rows = attempts.size() + hypotheses.size() + metrics.size() +
+                            instances.size() + outcomes.size() + rejections.size() +
+                            refusals.size() + bands.size();
   const Database& db = impl_->db;
   Transaction transaction(db);
-  Insert<TrialRow>(db, "trials", {row});
+  Insert<TrialRow>(db, "trials",
+                   {{trial, static_cast<int>(child_rows), result,
+                     impl_->SeedOf(result.configuration), kFinished, /*crash=*/""}});
   Insert(db, "attempts", std::move(attempts));
   Insert(db, "hypotheses", std::move(hypotheses));
   Insert(db, "hypothesis_metrics", std::move(metrics));

@@ -1,7 +1,6 @@
 #pragma once
 
-// Rows of the tables of the results store. The Visit() of a row names its columns for CREATE,
-// INSERT and SELECT.
+// Rows of the tables of the results store. Visit() names their columns for CREATE, INSERT, SELECT.
 
 #include <string>
 
@@ -29,14 +28,11 @@ struct ConfigurationRow {
 
 // A trial that crashed has no rows in the other tables.
 struct TrialRow {
-  int trial = 0;
+  int trial = 0, child_rows = 0;  // rows of the trial in the other tables except timings
   TrialResult result;
   uint64_t seed = 0;
   std::string status = kFinished;
   std::string crash;  // reason of the crash
-  // Number of rows of the trial in the other tables. It shows that none was removed. `timings` is
-  // not counted, because the stages of a trial may differ between versions of the program.
-  int child_rows = 0;
   template <typename V>
   void Visit(V&& v) {
     v("trial", trial);
