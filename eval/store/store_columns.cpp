@@ -64,9 +64,8 @@ constexpr Description kColumns[] = {
      "at the true pose; at most 20"},
     {"trials.instances_graspable", "number of these with a grasp that meets nothing"},
     {"trials.child_rows",
-     "number of rows of the trial in the other tables except timings; a store with fewer or more "
-     "is "
-     "refused"},
+     "number of rows of the trial in the other tables except timings; a store with fewer or "
+     "more is refused"},
     {"trials.hand_eye_x_m", "error of the calibrated camera position in the camera frame, x"},
     {"trials.hand_eye_y_m", "error of the calibrated camera position in the camera frame, y"},
     {"trials.hand_eye_z_m", "error of the calibrated camera position in the camera frame, z"},
