@@ -31,7 +31,11 @@ class SimulatedClock {
   std::atomic<long> milliseconds_ = 0;
 };
 
-// Views that take simulated time.
+constexpr int kHeldOutScenes = 1, kNetworkScenes = 4;
+constexpr int kScenesBeforeVerifier = kHeldOutScenes + kNetworkScenes;
+
+// Views that take simulated time. The clock of both threads is one, so the scenes of the verifier
+// wait for the end of the network: a renderer that ran ahead would spend the time of the network.
 class TimedViews : public RayCastViews {
  public:
   TimedViews(const Costs& costs, SimulatedClock& clock)
@@ -42,29 +46,35 @@ class TimedViews : public RayCastViews {
     return RayCastViews::Isolated(object, X_CO, camera, seed);
   }
   std::vector<LabelledView> ClutterScene(const ClutterSceneRequest& request) override {
+    if (scenes_ >= kScenesBeforeVerifier) network_done_.wait(false);
     clock_.Advance(costs_.scene_s);
     ++scenes_;
     return RayCastViews::ClutterScene(request);
   }
   int scenes() const { return scenes_; }
+  void EndNetwork() {
+    network_done_ = true;
+    network_done_.notify_all();
+  }
 
  private:
   Costs costs_;
   SimulatedClock& clock_;
   std::atomic<int> scenes_ = 0;
+  std::atomic<bool> network_done_ = false;
 };
 
 // A training that ends only because of its time limit.
 TrainingOptions LimitedOptions(double minutes) {
   TrainingOptions options;
   options.max_minutes = minutes;
-  options.clutter_scenes = 4;
+  options.clutter_scenes = kNetworkScenes;
   options.views_per_scene = 3;
   options.positive_pairs.patches_per_view = 60;
   options.iterations = 100000;
   options.batch = 16;
   options.network.descriptor = 8;
-  options.held_out.clutter_scenes = 1;
+  options.held_out.clutter_scenes = kHeldOutScenes;
   options.held_out.queries = 20;
   options.held_out.book_views = 10;
   options.held_out.every = 100;
@@ -98,6 +108,7 @@ TimedTraining Train(const Costs& costs, double minutes, double prepared_s) {
   int shown = 0;
   job.on_progress = [&](const TrainingProgress& progress) {
     if (progress.phase == "network") clock.Advance(costs.step_s);
+    if (progress.phase == "verifier") views.EndNetwork();
     if (progress.phase == "verifier" && progress.done > shown && progress.done < progress.total) {
       shown = progress.done;
       ++timed.reports;
