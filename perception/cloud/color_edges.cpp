@@ -5,6 +5,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "scenes/base/parallel.h"
+
 namespace pickbed::perception {
 namespace {
 
@@ -39,34 +41,56 @@ int Mirrored(int index, int size) {
 
 // Filters the rows, then the columns. OpenCV's filter sums in another order on each kind of CPU,
 // and this decides between poses.
-Image<float> Filtered(const cv::Mat& brightness, const Taps& along_u, const Taps& along_v) {
-  const int width = brightness.cols, height = brightness.rows;
-  Image<float> rows(width, height), filtered(width, height);
-  std::vector<float> line(width + 2 * kReach);
-  for (int v = 0; v < height; ++v) {
-    const uint8_t* from = brightness.ptr<uint8_t>(v);
-    for (int u = -kReach; u < width + kReach; ++u) line[u + kReach] = from[Mirrored(u, width)];
-    float* to = rows.row(v);
+class RowFilter {
+ public:
+  RowFilter(const cv::Mat& brightness, const Taps& along_u, const Taps& along_v)
+      : brightness_(brightness), along_u_(along_u), along_v_(along_v) {}
+
+  // Fills the rows `begin` to `end` of the result.
+  void Filter(int begin, int end, Image<float>& filtered) const {
+    const int width = brightness_.cols, height = brightness_.rows;
+    // The kTaps rows around the present one, each at its index modulo kTaps.
+    Image<float> rows(width, kTaps);
+    std::vector<float> line(width + 2 * kReach);
+    const auto keep = [&](int v) { FilterRow(Mirrored(v, height), line, rows.row(Slot(v))); };
+    for (int v = begin - kReach; v < begin + kReach; ++v) keep(v);
+    for (int v = begin; v < end; ++v) {
+      keep(v + kReach);
+      float* to = filtered.row(v);
+      std::fill_n(to, width, 0.f);
+      for (int i = 0; i < kTaps; ++i) {
+        const float* from = rows.row(Slot(v + i - kReach));
+        for (int u = 0; u < width; ++u) to[u] += along_v_[i] * from[u];
+      }
+    }
+  }
+
+ private:
+  static int Slot(int v) { return (v + kTaps) % kTaps; }  // v is at least -kReach
+
+  void FilterRow(int v, std::vector<float>& line, float* to) const {
+    const int width = brightness_.cols;
+    const uint8_t* from = brightness_.ptr<uint8_t>(v);
+    for (int u = 0; u < width; ++u) line[u + kReach] = from[u];
+    for (int i = 1; i <= kReach; ++i) {
+      line[kReach - i] = from[Mirrored(-i, width)];
+      line[width - 1 + kReach + i] = from[Mirrored(width - 1 + i, width)];
+    }
     for (int u = 0; u < width; ++u) {
       float sum = 0;
-      for (int i = 0; i < kTaps; ++i) sum += along_u[i] * line[u + i];
+      for (int i = 0; i < kTaps; ++i) sum += along_u_[i] * line[u + i];
       to[u] = sum;
     }
   }
-  for (int v = 0; v < height; ++v) {
-    float* to = filtered.row(v);
-    std::fill_n(to, width, 0.f);
-    for (int i = 0; i < kTaps; ++i) {
-      const float* from = rows.row(Mirrored(v + i - kReach, height));
-      for (int u = 0; u < width; ++u) to[u] += along_v[i] * from[u];
-    }
-  }
-  return filtered;
-}
+
+  const cv::Mat& brightness_;
+  const Taps along_u_, along_v_;
+};
 
 }  // namespace
 
-ColorEdges FindColorEdges(const CameraIntrinsics& intrinsics, const Image<Rgb8>& color) {
+ColorEdges FindColorEdges(const CameraIntrinsics& intrinsics, const Image<Rgb8>& color,
+                          int threads) {
   ColorEdges edges{intrinsics, {}, {}};
   if (color.empty()) return edges;
   const cv::Mat rgb(color.height(), color.width(), CV_8UC3,
@@ -74,8 +98,13 @@ ColorEdges FindColorEdges(const CameraIntrinsics& intrinsics, const Image<Rgb8>&
   cv::Mat brightness;
   cv::cvtColor(rgb, brightness, cv::COLOR_RGB2GRAY);
   const Taps gaussian = Gaussian(), derivative = Derivative(gaussian);
-  edges.du = Filtered(brightness, derivative, gaussian);
-  edges.dv = Filtered(brightness, gaussian, derivative);
+  edges.du = edges.dv = Image<float>(color.width(), color.height());
+  const RowFilter along_u(brightness, derivative, gaussian);
+  const RowFilter along_v(brightness, gaussian, derivative);
+  ForRanges(color.height(), threads, [&](int begin, int end) {
+    along_u.Filter(begin, end, edges.du);
+    along_v.Filter(begin, end, edges.dv);
+  });
   return edges;
 }
 

@@ -18,7 +18,9 @@ struct ColorEdges {
 };
 
 // Returns the gradient of a colour image of a camera. The brightness is smoothed by a Gaussian of
-// one pixel. Returns an empty result for an empty image.
-ColorEdges FindColorEdges(const CameraIntrinsics& intrinsics, const Image<Rgb8>& color);
+// one pixel. Returns an empty result for an empty image. The result is the same for any number of
+// threads.
+ColorEdges FindColorEdges(const CameraIntrinsics& intrinsics, const Image<Rgb8>& color,
+                          int threads = 1);
 
 }  // namespace pickbed::perception

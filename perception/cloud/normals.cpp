@@ -6,6 +6,8 @@
 #include <cstring>
 #include <limits>
 
+#include "scenes/base/parallel.h"
+
 namespace pickbed::perception {
 namespace {
 
@@ -109,30 +111,50 @@ std::vector<Run> MaskedRuns(const uint8_t* mask, int width) {
   return runs;
 }
 
-// Inverse depth with a border of zeros, which are outside every band. The right border also covers
-// the rest of a block.
-Image<float> PaddedInverseDepth(const Image<float>& depth_m, const Image<uint8_t>& mask,
-                                int border) {
-  Image<float> q(depth_m.width() + 2 * border + kLanes, depth_m.height() + 2 * border);
-  for (int y = 0; y < depth_m.height(); ++y) {
-    const float* z = depth_m.row(y);
-    const uint8_t* m = mask.row(y);
-    float* out = q.row(y + border) + border;
-    for (int x = 0; x < depth_m.width(); ++x) out[x] = m[x] && z[x] > 0 ? 1.0f / z[x] : 0.0f;
+// Smallest rectangle with all pixels that are not 0. It is often half of the image: the bin does
+// not fill it.
+ImageBox BoxOf(const Image<uint8_t>& mask) {
+  int left = mask.width(), right = -1, top = mask.height(), bottom = -1;
+  for (int y = 0; y < mask.height(); ++y) {
+    const uint8_t* row = mask.row(y);
+    const uint8_t* end = row + mask.width();
+    const auto is_set = [](uint8_t value) { return value != 0; };
+    const uint8_t* first = std::find_if(row, end, is_set);
+    if (first == end) continue;
+    const uint8_t* last = end - 1;
+    while (*last == 0) --last;
+    left = std::min(left, static_cast<int>(first - row));
+    right = std::max(right, static_cast<int>(last - row));
+    top = std::min(top, y);
+    bottom = y;
   }
-  return q;
+  return bottom < 0 ? ImageBox{} : ImageBox{left, top, right - left + 1, bottom - top + 1};
 }
 
+// Plane fits of the pixels in the box around the mask. Pixels are given relative to the box.
 class PlaneFits {
  public:
-  PlaneFits(const Image<float>& depth_m, const Image<uint8_t>& mask, const PlaneFitOptions& options)
+  PlaneFits(const Image<float>& depth_m, const Image<uint8_t>& mask, const ImageBox& box,
+            const PlaneFitOptions& options, int threads)
       : options_(options),
         radius_(options.window_px / 2),
-        q_(PaddedInverseDepth(depth_m, mask, radius_)),
-        fits_(mask.width(), mask.height()) {
-    for (int y = 0; y < mask.height(); ++y) {
-      for (const Run& run : MaskedRuns(mask.row(y), mask.width())) FitRun(y, run);
-    }
+        // The border of zeros is outside every band. On the right it also covers the rest of a
+        // block.
+        q_(box.width + 2 * radius_ + kLanes, box.height + 2 * radius_),
+        fits_(box.width, box.height) {
+    ForRanges(box.height, threads, [&](int begin, int end) {
+      for (int y = begin; y < end; ++y) {
+        const float* z = depth_m.row(box.y + y) + box.x;
+        const uint8_t* m = mask.row(box.y + y) + box.x;
+        float* out = q_.row(y + radius_) + radius_;
+        for (int x = 0; x < box.width; ++x) out[x] = m[x] && z[x] > 0 ? 1.0f / z[x] : 0.0f;
+      }
+    });
+    ForRanges(box.height, threads, [&](int begin, int end) {
+      for (int y = begin; y < end; ++y) {
+        for (const Run& run : MaskedRuns(mask.row(box.y + y) + box.x, box.width)) FitRun(y, run);
+      }
+    });
   }
 
   // Selects the plane of the center window or of a side window, evaluated at the pixel.
@@ -186,16 +208,17 @@ class PlaneFits {
 
 void FitPlanes(const CameraIntrinsics& k, const Image<uint8_t>& mask,
                const PlaneFitOptions& options, Image<float>& depth_m,
-               std::vector<Eigen::Vector3f>& normals_C) {
+               std::vector<Eigen::Vector3f>& normals_C, int threads) {
   const float band = static_cast<float>(options.band_m);
   const float min_cos = static_cast<float>(options.min_incidence_cos);
-  const PlaneFits fits(depth_m, mask, options);
-  for (int y = 0; y < mask.height(); ++y) {
+  const ImageBox box = BoxOf(mask);
+  const PlaneFits fits(depth_m, mask, box, options, threads);
+  const auto fit_row = [&](int y) {
     const float ray_y = static_cast<float>((y - k.cy()) / k.fy());
-    for (int x = 0; x < mask.width(); ++x) {
-      const float q0 = fits.InverseDepth(x, y);
+    for (int x = box.x; x < box.x + box.width; ++x) {
+      const float q0 = fits.InverseDepth(x - box.x, y - box.y);
       if (!(q0 > 0)) continue;
-      const Fit fit = fits.Choose(x, y);
+      const Fit fit = fits.Choose(x - box.x, y - box.y);
       if (fit.variance < 0 || std::abs(fit.q - q0) > band * q0) continue;
       // A plane g . p = 1 has 1/z = g . ray, ray = ((u - cx) / fx, (v - cy) / fy, 1).
       const float ray_x = static_cast<float>((x - k.cx()) / k.fx());
@@ -208,7 +231,13 @@ void FitPlanes(const CameraIntrinsics& k, const Image<uint8_t>& mask,
       depth_m(x, y) = 1.0f / fit.q;
       normals_C[static_cast<size_t>(y) * mask.width() + x] = -g / g_norm;
     }
-  }
+  };
+  ForRanges(mask.height(), threads, [&](int begin, int end) {
+    const auto first = normals_C.begin();
+    std::fill(first + static_cast<std::ptrdiff_t>(begin) * mask.width(),
+              first + static_cast<std::ptrdiff_t>(end) * mask.width(), Eigen::Vector3f::Zero());
+    for (int y = std::max(begin, box.y); y < std::min(end, box.y + box.height); ++y) fit_row(y);
+  });
 }
 
 }  // namespace pickbed::perception

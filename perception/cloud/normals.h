@@ -32,10 +32,11 @@ struct PlaneFitOptions {
 };
 
 // Fits a plane at each pixel with mask != 0, from such pixels only. Writes the smoothed depth into
-// `depth_m` and unit normals towards the camera into `normals_C` (width * height, zero on entry).
-// Where the fit is unreliable, both keep their values.
+// `depth_m` and unit normals towards the camera into `normals_C` (width * height). Where there is
+// no reliable fit, the depth keeps its value and the normal is zero. The result is the same for any
+// number of threads.
 void FitPlanes(const CameraIntrinsics& intrinsics, const Image<uint8_t>& mask,
                const PlaneFitOptions& options, Image<float>& depth_m,
-               std::vector<Eigen::Vector3f>& normals_C);
+               std::vector<Eigen::Vector3f>& normals_C, int threads = 1);
 
 }  // namespace pickbed::perception

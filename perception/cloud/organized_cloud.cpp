@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include "perception/cloud/normals.h"
 #include "scenes/base/error.h"
 #include "scenes/base/finite_counts.h"
+#include "scenes/base/parallel.h"
 #include "scenes/camera/depth_points.h"
 
 namespace pickbed::perception {
@@ -32,6 +34,21 @@ void CheckArguments(const RgbdFrame& frame, const CloudOptions& o) {
   CheckInput(o.normal_window_px % 2 == 1,
              fmt::format("normal_window_px is {}: use an odd number in 3..15", o.normal_window_px));
 }
+
+template <typename Work>
+void ForRows(const CameraIntrinsics& k, int threads, Work work) {
+  ForRanges(k.height(), threads, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) work(y);
+  });
+}
+
+// Components of the viewing rays with z = 1.
+std::vector<float> RaysX(const CameraIntrinsics& k) {
+  std::vector<float> rays(k.width());
+  for (int x = 0; x < k.width(); ++x) rays[x] = static_cast<float>((x - k.cx()) / k.fx());
+  return rays;
+}
+float RayY(const CameraIntrinsics& k, int y) { return static_cast<float>((y - k.cy()) / k.fy()); }
 
 // Whether a value of a depth image is a distance.
 bool IsReading(float z) { return z > 0 && std::isfinite(z); }
@@ -63,21 +80,22 @@ bool InsideBin(const Bin& bin, const Eigen::Vector3f& p_B, float margin_m) {
 // Sets the pixels with depth for which keep(p_A, margin_m) is true.
 template <typename Keep>
 Image<uint8_t> MarkForeground(const CameraIntrinsics& k, const Image<float>& depth_m,
-                              const Eigen::Isometry3f& X_AC, double margin_at_1m, Keep keep) {
+                              const Eigen::Isometry3f& X_AC, double margin_at_1m, int threads,
+                              Keep keep) {
   Image<uint8_t> mask(k.width(), k.height());
   const Eigen::Matrix3f R = X_AC.linear();
   const Eigen::Vector3f t = X_AC.translation();
   const float margin = static_cast<float>(margin_at_1m);
-  for (int y = 0; y < k.height(); ++y) {
-    const Eigen::Vector3f row = R.col(1) * static_cast<float>((y - k.cy()) / k.fy()) + R.col(2);
+  const std::vector<float> rays_x = RaysX(k);
+  ForRows(k, threads, [&](int y) {
+    const Eigen::Vector3f row = R.col(1) * RayY(k, y) + R.col(2);
     for (int x = 0; x < k.width(); ++x) {
       const float z = depth_m(x, y);
       if (!IsReading(z)) continue;
-      const Eigen::Vector3f p =
-          z * (R.col(0) * static_cast<float>((x - k.cx()) / k.fx()) + row) + t;
+      const Eigen::Vector3f p = z * (R.col(0) * rays_x[x] + row) + t;
       mask(x, y) = keep(p, margin * z * z);
     }
-  }
+  });
   return mask;
 }
 
@@ -102,7 +120,7 @@ std::vector<BackgroundPlane> PlanesOf(const KnownBackground& background) {
 
 // Fills cloud.foreground, cloud.planes and cloud.wall_height_m.
 void MarkBackground(const std::optional<KnownBackground>& background, const CloudOptions& options,
-                    const Image<uint8_t>* region, OrganizedCloud& cloud) {
+                    const Image<uint8_t>* region, int threads, OrganizedCloud& cloud) {
   const CameraIntrinsics& k = cloud.intrinsics;
   const double margin = options.background_margin_m * cloud.error_scale;
   if (background) {
@@ -111,7 +129,7 @@ void MarkBackground(const std::optional<KnownBackground>& background, const Clou
     cloud.planes = PlanesOf(*background);
     cloud.wall_height_m = static_cast<float>(bin.inner_size_m.z());
     cloud.foreground =
-        MarkForeground(k, cloud.depth_m, background->X_CB.inverse().cast<float>(), margin,
+        MarkForeground(k, cloud.depth_m, background->X_CB.inverse().cast<float>(), margin, threads,
                        [&](const Eigen::Vector3f& p_B, float m) { return InsideBin(bin, p_B, m); });
     return;
   }
@@ -121,25 +139,46 @@ void MarkBackground(const std::optional<KnownBackground>& background, const Clou
   }
   cloud.background = cloud.planes.empty() ? BackgroundKind::kNone : BackgroundKind::kFitted;
   cloud.foreground = MarkForeground(
-      k, cloud.depth_m, Eigen::Isometry3f::Identity(), margin,
+      k, cloud.depth_m, Eigen::Isometry3f::Identity(), margin, threads,
       [&](const Eigen::Vector3f& p_C, float m) {
         return std::all_of(cloud.planes.begin(), cloud.planes.end(),
                            [&](const auto& plane) { return plane.SignedDistance(p_C) > m; });
       });
 }
 
-void FillPoints(OrganizedCloud& cloud) {
+// Fills cloud.points_C and cloud.foreground_pixels. Removes points and normals that are not finite:
+// a depth of 1e38 m has such points.
+void FillPoints(OrganizedCloud& cloud, int threads) {
   const CameraIntrinsics& k = cloud.intrinsics;
-  cloud.points_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());
-  for (int y = 0; y < k.height(); ++y) {
-    const float ray_y = static_cast<float>((y - k.cy()) / k.fy());
+  cloud.points_C.resize(cloud.depth_m.size());
+  const std::vector<float> rays_x = RaysX(k);
+  std::atomic<int> lost_points = 0, lost_normals = 0;
+  ForRows(k, threads, [&](int y) {
+    const float ray_y = RayY(k, y);
+    const size_t first = static_cast<size_t>(y) * k.width();
     for (int x = 0; x < k.width(); ++x) {
       const float z = cloud.depth_m(x, y);
-      const int pixel = y * k.width() + x;
-      if (z > 0)
-        cloud.points_C[pixel] = {z * static_cast<float>((x - k.cx()) / k.fx()), z * ray_y, z};
-      if (cloud.foreground(x, y)) cloud.foreground_pixels.push_back(pixel);
+      Eigen::Vector3f& point_C = cloud.points_C[first + x];
+      Eigen::Vector3f& normal_C = cloud.normals_C[first + x];
+      point_C.setZero();
+      if (z > 0) point_C = {z * rays_x[x], z * ray_y, z};
+      if (!normal_C.allFinite()) {
+        normal_C.setZero();
+        ++lost_normals;
+      }
+      if (point_C.allFinite() && std::isfinite(z)) continue;
+      point_C.setZero();
+      normal_C.setZero();
+      cloud.depth_m(x, y) = 0;
+      cloud.foreground(x, y) = 0;
+      ++lost_points;
     }
+  });
+  CountNotFinite(FiniteBoundary::kPoints, lost_points);
+  CountNotFinite(FiniteBoundary::kNormals, lost_normals);
+  const uint8_t* foreground = cloud.foreground.data();
+  for (size_t pixel = 0; pixel < cloud.foreground.size(); ++pixel) {
+    if (foreground[pixel] != 0) cloud.foreground_pixels.push_back(static_cast<int>(pixel));
   }
 }
 
@@ -148,50 +187,32 @@ int CountNotFiniteReadings(const Image<float>& depth_m) {
                                         [](float z) { return !std::isfinite(z); }));
 }
 
-// Removes points and normals that are not finite. A depth of 1e38 m has such points.
-void DropNotFinite(OrganizedCloud& cloud) {
-  int points = 0, normals = 0;
-  for (size_t i = 0; i < cloud.points_C.size(); ++i) {
-    if (!cloud.normals_C[i].allFinite()) {
-      cloud.normals_C[i].setZero();
-      ++normals;
-    }
-    if (cloud.points_C[i].allFinite() && std::isfinite(cloud.depth_m.data()[i])) continue;
-    cloud.points_C[i].setZero();
-    cloud.normals_C[i].setZero();
-    cloud.depth_m.data()[i] = 0;
-    cloud.foreground.data()[i] = 0;
-    ++points;
-  }
-  CountNotFinite(FiniteBoundary::kPoints, points);
-  CountNotFinite(FiniteBoundary::kNormals, normals);
-  if (points == 0) return;
-  std::erase_if(cloud.foreground_pixels,
-                [&](int pixel) { return cloud.foreground.data()[pixel] == 0; });
-}
-
 }  // namespace
 
-Image<float> FillSinglePixelHoles(const Image<float>& depth_m) {
+Image<float> FillSinglePixelHoles(const Image<float>& depth_m, int threads) {
   constexpr int kMinNeighbors = 6;  // fewer: an edge or a larger hole
   Image<float> filled = depth_m;
-  for (int y = 0; y < depth_m.height(); ++y) {
-    for (int x = 0; x < depth_m.width(); ++x) {
-      if (IsReading(depth_m(x, y))) continue;
-      filled(x, y) = 0;  // values that are not finite or negative also become holes
-      std::array<float, 8> values{};
-      int n = 0;
-      for (int v = std::max(0, y - 1); v <= std::min(depth_m.height() - 1, y + 1); ++v) {
-        for (int u = std::max(0, x - 1); u <= std::min(depth_m.width() - 1, x + 1); ++u) {
-          if (IsReading(depth_m(u, v))) values[n++] = depth_m(u, v);
-        }
+  const auto fill = [&](int x, int y) {
+    filled(x, y) = 0;  // values that are not finite or negative also become holes
+    std::array<float, 8> values{};
+    int n = 0;
+    for (int v = std::max(0, y - 1); v <= std::min(depth_m.height() - 1, y + 1); ++v) {
+      for (int u = std::max(0, x - 1); u <= std::min(depth_m.width() - 1, x + 1); ++u) {
+        if (IsReading(depth_m(u, v))) values[n++] = depth_m(u, v);
       }
-      if (n < kMinNeighbors) continue;
-      // The lower median is a value that occurs, never the mean across a step.
-      std::nth_element(values.begin(), values.begin() + (n - 1) / 2, values.begin() + n);
-      filled(x, y) = values[(n - 1) / 2];
     }
-  }
+    if (n < kMinNeighbors) return;
+    // The lower median is a value that occurs, never the mean across a step.
+    std::nth_element(values.begin(), values.begin() + (n - 1) / 2, values.begin() + n);
+    filled(x, y) = values[(n - 1) / 2];
+  };
+  ForRanges(depth_m.height(), threads, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) {
+      for (int x = 0; x < depth_m.width(); ++x) {
+        if (!IsReading(depth_m(x, y))) fill(x, y);
+      }
+    }
+  });
   return filled;
 }
 
@@ -206,7 +227,7 @@ void CloudOptions::Visit(SettingsVisitor& v) {
 }
 
 OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
-                          const CloudOptions& options, const Image<uint8_t>* region) {
+                          const CloudOptions& options, const Image<uint8_t>* region, int threads) {
   CheckArguments(frame, options);
   CheckInput(region == nullptr || (region->width() == frame.depth_m.width() &&
                                    region->height() == frame.depth_m.height()),
@@ -215,22 +236,21 @@ OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackg
   OrganizedCloud cloud;
   cloud.intrinsics = frame.intrinsics;
   cloud.color = frame.color;
-  cloud.edges = FindColorEdges(frame.intrinsics, frame.color);
-  cloud.depth_m = FillSinglePixelHoles(frame.depth_m);
+  cloud.edges = FindColorEdges(frame.intrinsics, frame.color, threads);
+  cloud.depth_m = FillSinglePixelHoles(frame.depth_m, threads);
   cloud.depth_statistics = MeasureDepth(cloud.depth_m);
   cloud.error_scale = ErrorScale(cloud.depth_statistics);
-  MarkBackground(background, options, region, cloud);
+  MarkBackground(background, options, region, threads, cloud);
   if (region != nullptr) {
     for (size_t i = 0; i < region->size(); ++i) {
       cloud.foreground.data()[i] &= region->data()[i] != 0;
     }
   }
-  cloud.normals_C.assign(cloud.depth_m.size(), Eigen::Vector3f::Zero());
+  cloud.normals_C.resize(cloud.depth_m.size());
   const PlaneFitOptions fit{.window_px = options.normal_window_px,
                             .band_m = options.fit_band_m * cloud.error_scale};
-  FitPlanes(cloud.intrinsics, cloud.foreground, fit, cloud.depth_m, cloud.normals_C);
-  FillPoints(cloud);
-  DropNotFinite(cloud);
+  FitPlanes(cloud.intrinsics, cloud.foreground, fit, cloud.depth_m, cloud.normals_C, threads);
+  FillPoints(cloud, threads);
   return cloud;
 }
 

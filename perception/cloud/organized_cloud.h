@@ -74,12 +74,14 @@ struct OrganizedCloud {
 // background planes are fitted. Throws InputError for a frame without depth, for a depth or colour
 // image whose size differs from the intrinsics, and for options out of range.
 // With a `region` of the same size, only pixels where it is not 0 are foreground, and background
-// planes are fitted to these pixels. The others keep their depth, as evidence against poses.
+// planes are fitted to these pixels. The others keep their depth, as evidence against poses. The
+// result is the same for any number of threads.
 OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
-                          const CloudOptions& options = {}, const Image<uint8_t>* region = nullptr);
+                          const CloudOptions& options = {}, const Image<uint8_t>* region = nullptr,
+                          int threads = 1);
 
 // Returns the depth with single-pixel holes filled: a pixel without depth and with at least six
 // valid neighbours of eight gets their lower median.
-Image<float> FillSinglePixelHoles(const Image<float>& depth_m);
+Image<float> FillSinglePixelHoles(const Image<float>& depth_m, int threads = 1);
 
 }  // namespace pickbed::perception

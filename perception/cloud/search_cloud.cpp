@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
+
+#include "scenes/base/parallel.h"
 
 namespace pickbed::perception {
 namespace {
@@ -50,7 +53,7 @@ double SmallestDiameter_m(const ObjectSet& objects) {
   return smallest_m;
 }
 
-RgbdFrame BinnedFrame(const RgbdFrame& frame, int factor) {
+RgbdFrame BinnedFrame(const RgbdFrame& frame, int factor, int threads) {
   const CameraIntrinsics& k = frame.intrinsics;
   const int width = k.width() / factor, height = k.height() / factor;
   // Pixel centers are integers, so the center of the first block is (factor - 1) / 2.
@@ -66,9 +69,7 @@ RgbdFrame BinnedFrame(const RgbdFrame& frame, int factor) {
   const bool has_color = !frame.color.empty();
   if (has_color) binned.color = Image<Rgb8>(width, height);
   const int block = factor * factor;
-  std::vector<float> readings;
-  readings.reserve(block);
-  for (int y = 0; y < height; ++y) {
+  const auto bin_row = [&](int y, std::vector<float>& readings) {
     for (int x = 0; x < width; ++x) {
       readings.clear();
       int r = 0, g = 0, b = 0;
@@ -88,12 +89,18 @@ RgbdFrame BinnedFrame(const RgbdFrame& frame, int factor) {
         binned.color(x, y) = {mean(r), mean(g), mean(b)};
       }
     }
-  }
+  };
+  ForRanges(height, threads, [&](int begin, int end) {
+    std::vector<float> readings;
+    readings.reserve(block);
+    for (int y = begin; y < end; ++y) bin_row(y, readings);
+  });
   return binned;
 }
 
 OrganizedCloud SearchCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
-                           int factor, const Image<uint8_t>* region, bool fits_background) {
+                           int factor, const Image<uint8_t>* region, bool fits_background,
+                           int threads) {
   CloudOptions options;
   if (!fits_background) options.min_plane_share = 1;
   const CameraIntrinsics& k = frame.intrinsics;
@@ -101,12 +108,17 @@ OrganizedCloud SearchCloud(const RgbdFrame& frame, const std::optional<KnownBack
   const bool valid = frame.depth_m.width() == k.width() && frame.depth_m.height() == k.height() &&
                      (frame.color.empty() ||
                       (frame.color.width() == k.width() && frame.color.height() == k.height()));
-  if (factor == 1 || !valid) return BuildCloud(frame, background, options, region);
+  if (factor == 1 || !valid) {
+    return BuildCloud(frame, background, options, region, threads);
+  }
   std::optional<Image<uint8_t>> binned_region;
   if (region != nullptr) binned_region = BinnedRegion(*region, factor);
-  OrganizedCloud cloud = BuildCloud(BinnedFrame(frame, factor), background, options,
-                                    binned_region ? &*binned_region : nullptr);
-  cloud.edges = FindColorEdges(k, frame.color);
+  RgbdFrame binned = BinnedFrame(frame, factor, threads);
+  Image<Rgb8> color = std::exchange(binned.color, {});  // edges are found in the whole image
+  OrganizedCloud cloud =
+      BuildCloud(binned, background, options, binned_region ? &*binned_region : nullptr, threads);
+  cloud.color = std::move(color);
+  cloud.edges = FindColorEdges(k, frame.color, threads);
   return cloud;
 }
 

@@ -20,15 +20,16 @@ int BinningFor(const CameraIntrinsics& intrinsics, double distance_m, double sma
 // Returns the frame with each block of `factor` x `factor` pixels as one pixel. Its depth is the
 // mean of the readings near their median, and 0 if less than half of the block has readings. Its
 // colour is the mean of the block. Pixels right of and below the last whole block are dropped.
-RgbdFrame BinnedFrame(const RgbdFrame& frame, int factor);
+RgbdFrame BinnedFrame(const RgbdFrame& frame, int factor, int threads = 1);
 
 // Returns the diameter of the smallest of the objects, m.
 double SmallestDiameter_m(const ObjectSet& objects);
 
 // Preprocesses a frame as BuildCloud() does, after binning by `factor`; see BinningFor(). A block
-// is in the region if its center pixel is. Without `fits_background`, no plane is looked for.
+// is in the region if its center pixel is. Without `fits_background`, no plane is looked for. The
+// result is the same for any number of threads.
 OrganizedCloud SearchCloud(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
                            int factor, const Image<uint8_t>* region = nullptr,
-                           bool fits_background = true);
+                           bool fits_background = true, int threads = 1);
 
 }  // namespace pickbed::perception

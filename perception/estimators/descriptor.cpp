@@ -194,8 +194,8 @@ EstimateResult LearnedEstimator::Estimate(const EstimatorInput& input, Rng& rng)
   OrganizedCloud cloud;
   {
     const StageTimer timer(result.seconds, "cloud");
-    cloud =
-        SearchCloud(input.frame, input.background, binning_, input.region, input.fits_background);
+    cloud = SearchCloud(input.frame, input.background, binning_, input.region,
+                        input.fits_background, threads_);
   }
   result.has_background = input.background.has_value() || !cloud.planes.empty();
   result.domain_warnings = DomainWarnings(DomainOf(cloud));

@@ -41,7 +41,7 @@ class PpfEstimator : public PoseEstimator {
   EstimateResult Estimate(const EstimatorInput& input, Rng&) override {
     EstimateResult result;
     const OrganizedCloud cloud = Timed(result.seconds, "cloud", [&] {
-      return BuildCloud(input.frame, input.background, {}, input.region);
+      return BuildCloud(input.frame, input.background, {}, input.region, threads_);
     });
     result.has_background = input.background.has_value() || !cloud.planes.empty();
     std::vector<PoseHypothesis> found;

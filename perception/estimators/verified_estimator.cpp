@@ -18,7 +18,7 @@ class VerifiedEstimator : public PoseEstimator {
     {
       const StageTimer timer(result.seconds, "cloud");
       cloud = SearchCloud(input.frame, input.background, setup_.binning, input.region,
-                          input.fits_background);
+                          input.fits_background, setup_.threads);
     }
     result.has_background = input.background.has_value() || !cloud.planes.empty();
     result.domain_warnings = DomainWarnings(DomainOf(cloud));

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "perception/cloud/organized_cloud.h"
+#include "perception/cloud/search_cloud.h"
 #include "perception/icp/bidirectional_icp.h"
 #include "perception/icp/pcl_icp.h"
 #include "perception/icp/projective_icp.h"
@@ -68,6 +68,41 @@ void Cloud(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(Cloud)->Name("cloud/known_bin/640x480")->Unit(benchmark::kMillisecond);
+
+// Returns a frame of industrial size: each pixel is repeated `factor` times per axis.
+RgbdFrame Enlarged(const RgbdFrame& frame, int factor) {
+  const CameraIntrinsics& k = frame.intrinsics;
+  RgbdFrame large;
+  large.intrinsics = {k.width() * factor, k.height() * factor, k.fx() * factor,
+                      k.fy() * factor,    k.cx() * factor,     k.cy() * factor};
+  large.depth_m = Image<float>(k.width() * factor, k.height() * factor);
+  large.color = Image<Rgb8>(k.width() * factor, k.height() * factor);
+  for (int y = 0; y < large.depth_m.height(); ++y) {
+    for (int x = 0; x < large.depth_m.width(); ++x) {
+      large.depth_m(x, y) = frame.depth_m(x / factor, y / factor);
+      large.color(x, y) = frame.color(x / factor, y / factor);
+    }
+  }
+  return large;
+}
+
+// The second argument is the binning factor, the first one the number of threads.
+void LargeCloud(benchmark::State& state) {
+  const BracketScene& scene = SharedScene();
+  const RgbdFrame frame = Enlarged(scene.view.frame, 2);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(SearchCloud(frame, scene.view.background,
+                                         static_cast<int>(state.range(1)), nullptr, true,
+                                         static_cast<int>(state.range(0))));
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(LargeCloud)
+    ->Name("search_cloud/known_bin/1280x960")
+    ->ArgNames({"threads", "binning"})
+    ->ArgsProduct({{1, 2}, {1, 2}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 void Segments(benchmark::State& state) {
   const BracketScene& scene = SharedScene();

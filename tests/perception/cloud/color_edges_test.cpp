@@ -34,6 +34,27 @@ TEST(ColorEdges, StepHasItsLargestGradientAtTheStep) {
   EXPECT_NEAR(edges.dv(20, 15), 0, 1e-4);
 }
 
+// The image continues as its mirror image beyond the border, so that a border is no edge across it.
+TEST(ColorEdges, BorderIsNoEdge) {
+  Image<Rgb8> color(5, 3);
+  for (int v = 0; v < 3; ++v) {
+    for (int u = 0; u < 5; ++u) {
+      const auto grey = static_cast<uint8_t>(10 * u * u + 20 * v);
+      color(u, v) = {grey, grey, grey};
+    }
+  }
+  const ColorEdges edges = FindColorEdges({5, 3, 50, 50, 2, 1}, color);
+  for (int v = 0; v < 3; ++v) {
+    EXPECT_NEAR(edges.du(0, v), 0, 1e-4);
+    EXPECT_NEAR(edges.du(4, v), 0, 1e-4);
+  }
+  for (int u = 0; u < 5; ++u) {
+    EXPECT_NEAR(edges.dv(u, 0), 0, 1e-4);
+    EXPECT_GT(edges.dv(u, 1), 1);
+    EXPECT_NEAR(edges.dv(u, 2), 0, 1e-4);
+  }
+}
+
 TEST(ColorEdges, NoColorGivesNoEdges) { EXPECT_TRUE(FindColorEdges(kCamera, {}).empty()); }
 
 }  // namespace

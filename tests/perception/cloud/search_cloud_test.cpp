@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "scenes/camera/depth_points.h"
 #include "tests/support/layer.h"
+#include "tests/support/synthetic_depth.h"
 
 namespace pickbed::tests {
 namespace {
@@ -81,6 +83,56 @@ TEST(BinnedFrame, AveragesNoiseAndColour) {
   const RgbdFrame binned = BinnedFrame(frame, 2);
   EXPECT_NEAR(binned.depth_m(0, 0), 1.0, 1e-6);
   EXPECT_EQ(binned.color(0, 0), (Rgb8{15, 100, 200}));
+}
+
+// A plane with a sphere, noise, holes of one pixel and larger, a depth that is not finite, and
+// random colours.
+RgbdFrame NoisyFrame() {
+  const CameraIntrinsics k(90, 61, 300, 310, 43.2, 31.7);
+  SyntheticDepth scene(k);
+  scene.AddPlane({0, 0.3, -1}, {0, 0, 0.8});
+  scene.AddSphere({0, 0, 0.6}, 0.05);
+  Rng rng(7);
+  RgbdFrame frame = WithNoise(scene.frame(), 0.001, rng);
+  for (int i = 0; i < 200; ++i) frame.depth_m(rng.Index(90), rng.Index(61)) = 0;
+  for (int x = 20; x < 30; ++x) frame.depth_m(x, 40) = frame.depth_m(x, 41) = 0;
+  frame.depth_m(50, 30) = std::numeric_limits<float>::infinity();
+  frame.depth_m(60, 20) = 1e38f;
+  frame.color = Image<Rgb8>(90, 61);
+  for (Rgb8& pixel : frame.color.pixels()) {
+    const auto channel = [&] { return static_cast<uint8_t>(rng.Index(256)); };
+    pixel = {channel(), channel(), channel()};
+  }
+  return frame;
+}
+
+TEST(SearchCloud, SameBytesForAnyNumberOfThreads) {
+  const RgbdFrame frame = NoisyFrame();
+  for (const int factor : {1, 2}) {
+    const OrganizedCloud one = SearchCloud(frame, std::nullopt, factor);
+    ASSERT_GT(one.foreground_pixels.size(), 20u);
+    for (const int threads : {2, 3, 8}) {
+      const OrganizedCloud several =
+          SearchCloud(frame, std::nullopt, factor, nullptr, true, threads);
+      EXPECT_EQ(several.depth_m, one.depth_m);
+      EXPECT_EQ(several.color, one.color);
+      EXPECT_EQ(several.points_C, one.points_C);
+      EXPECT_EQ(several.normals_C, one.normals_C);
+      EXPECT_EQ(several.foreground, one.foreground);
+      EXPECT_EQ(several.foreground_pixels, one.foreground_pixels);
+      EXPECT_EQ(several.edges.du, one.edges.du);
+      EXPECT_EQ(several.edges.dv, one.edges.dv);
+    }
+  }
+}
+
+// Binning reduces depth and colour. Edges are found in the whole colour image.
+TEST(SearchCloud, EdgesAreFoundInTheWholeImage) {
+  const RgbdFrame frame = NoisyFrame();
+  const OrganizedCloud cloud = SearchCloud(frame, std::nullopt, 2);
+  EXPECT_EQ(cloud.color, BinnedFrame(frame, 2).color);
+  EXPECT_EQ(cloud.edges.du, FindColorEdges(frame.intrinsics, frame.color).du);
+  EXPECT_EQ(cloud.edges.intrinsics.width(), 90);
 }
 
 }  // namespace
