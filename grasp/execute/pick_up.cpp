@@ -78,15 +78,29 @@ bool PickUp::IsUnderFloor() const {
   return X_WG_.translation().z() < -bin_.wall_m - options_.stop_depth_m;
 }
 
-// Returns false if something in the way of the hand does not yield, or if the palm penetrates the
-// bin or static instances. The palm feels no force from those, so its depth is checked.
+// Returns false if the hand collides. The surface may be lower than planned: a cup that holds
+// nothing at the planned pose moves on, as in a cell until the vacuum switch answers. Resistance
+// ends this motion.
 bool PickUp::Approach() {
+  if (hand_.HoldsOnContact()) hand_.Close();
+  const Pose planned_WG = X_WG_;
+  if (!MoveUntilHeld(Behind(planned_WG), planned_WG, gripper_.approach_m)) return false;
+  const double search_m = hand_.SearchTravel_m();
+  if (search_m <= 0 || hand_.Holds()) return true;
+  MoveUntilHeld(planned_WG, planned_WG * Translation({0, 0, search_m}), search_m);
+  X_WG_ = hand_.X_WG();
+  return true;
+}
+
+// Moves the hand over this distance, and stops where it holds on contact. Returns false if
+// something in its way does not yield, or if the palm penetrates the bin or static instances. The
+// palm feels no force from those, so its depth is checked.
+bool PickUp::MoveUntilHeld(const Pose& X_WG_from, const Pose& X_WG_to, double distance_m) {
   const double share = std::min(1.0, world_.physics().step_s() / options_.stop_window_s);
   double felt_n = 0;
-  const int steps = world_.Steps(MinimumJerkSeconds(gripper_.approach_m, options_.approach_mps));
-  if (hand_.HoldsOnContact()) hand_.Close();
+  const int steps = world_.Steps(MinimumJerkSeconds(distance_m, options_.approach_mps));
   for (int i = 1; i <= steps; ++i) {
-    Advance(Between(Behind(X_WG_), X_WG_, MinimumJerk(static_cast<double>(i) / steps)));
+    Advance(Between(X_WG_from, X_WG_to, MinimumJerk(static_cast<double>(i) / steps)));
     // To push on would press the held instance into the pile.
     if (hand_.HoldsOnContact() && hand_.Holds()) {
       X_WG_ = hand_.X_WG();

@@ -60,6 +60,7 @@ class PickUp {
   Pose Raised(double height_m) const { return Translation({0, 0, height_m}) * X_WG_; }
   bool IsUnderFloor() const;
   bool Approach();
+  bool MoveUntilHeld(const Pose& X_WG_from, const Pose& X_WG_to, double distance_m);
   bool CloseOnInstance();
   void MarkLiftStart();
   void Lift(GraspOutcome& outcome);
@@ -75,7 +76,7 @@ class PickUp {
   const ExecuteOptions& options_;
   const MotionListener& on_step_;
   int steps_ = 0;  // reported to on_step_
-  Pose X_WG_;      // of the grasp, or where the approach ended since the hand held
+  Pose X_WG_;      // of the grasp, or where the approach of a hand that holds on contact ended
   const double opening_m_;
   const std::vector<AxisAlignedBox> boxes_;  // of the hand at opening_m_, in G
   AttemptWorld world_;

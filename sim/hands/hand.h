@@ -36,6 +36,9 @@ class Hand {
   // Returns whether the closed hand holds as soon as it touches an instance. Such a hand closes
   // before it approaches, and stops where it holds. Suction cup: true.
   virtual bool HoldsOnContact() const { return false; }
+  // Returns how far beyond the planned pose the hand may move on until it holds, m. Suction cup:
+  // the travel of the bellows that remains at the planned pose. Other hands: 0.
+  virtual double SearchTravel_m() const { return 0; }
   // Returns the opening between the pads. Suction cup: the remaining travel of the bellows.
   virtual double opening_m() const = 0;
   virtual Pose X_WG() const = 0;

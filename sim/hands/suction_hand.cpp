@@ -26,6 +26,7 @@ class CupHand : public Hand, public AttachedHand {
   void HoldOpening(double) override;
   void Close() override { vacuum_on_ = true; }
   bool HoldsOnContact() const override { return true; }
+  double SearchTravel_m() const override { return spec_.bellows_travel_m - spec_.press_m; }
   double opening_m() const override { return spec_.bellows_travel_m - compression_m_; }
   Pose X_WG() const override { return X_WG_; }
   std::array<double, 2> ContactForces_n() const override { return forces_n_; }

@@ -70,6 +70,23 @@ TEST(CupExecute, StopsWhereTheLipSeals) {
   EXPECT_NEAR(outcome.final_opening_m, cup.cup.bellows_travel_m, 0.001);
 }
 
+// The bellows yield 5 mm more than planned. The cup searches so far for a surface that is lower
+// than planned, and no further.
+TEST(CupExecute, SearchesALowerSurfaceWithinTheTravelOfTheBellows) {
+  const SuctionCup cup = LoadedCup();
+  const ObjectSet boxes{BoxObject({0.06, 0.06, kHeight_m}, 0.3)};
+  const double rest_m = cup.cup.bellows_travel_m - cup.cup.press_m;
+  const auto pick = [&](double lower_m) {
+    Grasp grasp;
+    grasp.X_WG = FromAbove({0, 0, kHeight_m + 0.0006 - cup.cup.press_m + lower_m});
+    return ExecuteGrasp(BoxesOnFloor({{0, 0}}, kHeight_m), boxes, grasp, cup, InstanceId{10})
+        .outcome.failure;
+  };
+  EXPECT_EQ(FailureName(pick(cup.cup.press_m + 0.5 * rest_m)), FailureName(FailureReason::kNone));
+  EXPECT_EQ(FailureName(pick(cup.cup.bellows_travel_m + 0.002)),
+            FailureName(FailureReason::kClosedOnNothing));
+}
+
 // Beside the box the stem hits the floor, and the palm stays above it.
 TEST(CupExecute, StemAgainstTheFloorIsACollision) {
   const SuctionCup cup = LoadedCup();
