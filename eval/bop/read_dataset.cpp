@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
+#include <tuple>
 
 #include "eval/bop/json.h"
 #include "eval/bop/layout.h"
@@ -389,6 +391,7 @@ std::vector<DatasetTarget> ReadTargets(const fs::path& file, const OnFault& faul
   std::vector<DatasetTarget> targets;
   const std::optional<ParsedJson> json = ReadJson(file, fault);
   if (!json) return targets;
+  std::set<std::tuple<int, int, int>> listed;  // scene, image, object
   const JsonPlace place(file.string(), fault);
   if (!json->is_array()) {
     place.Fault("is not a list of targets");
@@ -413,6 +416,10 @@ std::vector<DatasetTarget> ReadTargets(const fs::path& file, const OnFault& faul
     if (entry.contains("obj_id")) target.object_id = JsonInteger(entry, "obj_id", where);
     if (entry.contains("inst_count")) target.count = JsonInteger(entry, "inst_count", where);
     if (target.count.value_or(1) < 1) where.Fault("'inst_count' is less than 1");
+    const bool is_new =
+        !target.views.empty() ||
+        listed.insert({target.scene_id, target.image_id, target.object_id.value_or(-1)}).second;
+    if (!is_new) where.Fault("is listed before: the same scene, image and object");
     targets.push_back(target);
   }
   return targets;

@@ -73,10 +73,20 @@ void ReadPcdLine(const std::vector<std::string>& words, const std::string& name,
   const std::string& key = words.front();
   if (key == "FIELDS") {
     header.fields.assign(words.begin() + 1, words.end());
+    for (const std::string& field : header.fields) {
+      const bool is_name =
+          std::all_of(field.begin(), field.end(), [](char c) { return c > ' ' && c <= '~'; });
+      CheckInput(is_name, fmt::format("{}: FIELDS of the PCD file has '{}', which is no name; get "
+                                      "the file again",
+                                      name, OneLine(field)));
+    }
   } else if (key == "TYPE") {
     header.types.assign(words.begin() + 1, words.end());
   } else if (key == "SIZE" || key == "COUNT") {
     const std::string wanted = key == "SIZE" ? "4" : "1";
+    CheckInput(words.size() - 1 == header.fields.size(),
+               fmt::format("{}: {} of the PCD file has {} values for {} fields; get the file again",
+                           name, key, words.size() - 1, header.fields.size()));
     for (size_t i = 1; i < words.size(); ++i) {
       CheckInput(words[i] == wanted,
                  fmt::format("{}: {} has {}; only fields with one value of four "

@@ -57,6 +57,19 @@ std::string FormOf(std::string_view corner) {
   return form;
 }
 
+// Limits of the number of words after the first one.
+struct WordLimits {
+  size_t min = 1, max = SIZE_MAX;
+};
+
+// A vertex can have a weight or a colour, or both.
+WordLimits LimitsOf(std::string_view kind) {
+  if (kind == "v") return {3, 7};
+  if (kind == "vn") return {3, 3};
+  if (kind == "vt") return {1, 3};
+  return {kind == "l" ? 2u : 1u, SIZE_MAX};
+}
+
 // The fault of a statement of an OBJ; empty = none.
 std::string FaultOfObj(const std::vector<std::string_view>& words) {
   if (words.empty()) return "";
@@ -64,18 +77,21 @@ std::string FaultOfObj(const std::vector<std::string_view>& words) {
   const auto shown = [](std::string_view word) { return "'" + OneLine(std::string(word)) + "'"; };
   if (!IsStatement(kind)) return fmt::format("begins with {}, which is no word", shown(kind));
   const bool has_numbers = kind == "v" || kind == "vn" || kind == "vt";
-  if (!has_numbers && kind != "f") return "";
+  if (!has_numbers && kind != "f" && kind != "l" && kind != "p") return "";
   for (size_t i = 1; i < words.size(); ++i) {
     if (has_numbers && !NumberIn(words[i])) return shown(words[i]) + " is no number";
     if (has_numbers) continue;
-    if (!IsCorner(words[i])) return shown(words[i]) + " is no corner of a face";
+    if (!IsCorner(words[i])) {
+      return shown(words[i]) + (kind == "f" ? " is no corner of a face" : " is no corner");
+    }
     if (FormOf(words[i]) != FormOf(words[1])) {
       return fmt::format("has corners of two forms, {} and {}", shown(words[1]), shown(words[i]));
     }
   }
-  const size_t fewest = kind == "v" || kind == "vn" ? 3 : 1;
-  if (words.size() - 1 < fewest) return fmt::format("has {} numbers", words.size() - 1);
-  return "";
+  const size_t count = words.size() - 1;
+  const WordLimits limits = LimitsOf(kind);
+  if (count >= limits.min && count <= limits.max) return "";
+  return fmt::format("has {} {} after {}", count, has_numbers ? "numbers" : "corners", shown(kind));
 }
 
 // Checks the indices of faces into the lists of texture coordinates and normals. The importer

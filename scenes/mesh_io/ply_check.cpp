@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
@@ -81,9 +82,10 @@ bool IsType(const std::string& type) {
          type == "float64";
 }
 
-// Whether the word can be a name: printable ASCII.
+// Whether the word can be a name: printable ASCII that begins with a letter or an underscore.
 bool IsName(const std::string& word) {
   return !word.empty() &&
+         (std::isalpha(static_cast<unsigned char>(word.front())) != 0 || word.front() == '_') &&
          std::all_of(word.begin(), word.end(), [](char c) { return c > ' ' && c <= '~'; });
 }
 

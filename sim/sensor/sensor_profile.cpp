@@ -73,6 +73,10 @@ void CheckProfile(const SensorProfile& p, const std::string& file) {
 // pickbed. So a file that is cut at the end of a line lacks it, and is not taken for a sensor
 // without steps.
 void CheckKeys(const KeyPlaces& given, const std::string& file) {
+  CheckInput(given.contains("name"),
+             fmt::format("{}: name is missing, which every sensor needs; is the file complete? Add "
+                         "the key",
+                         file));
   for (const char* key : {"min_range_m", "max_range_m", "quantization_m"}) {
     CheckInput(given.contains(key),
                fmt::format("{}: {} is missing, which every sensor needs; is the file complete? Add "

@@ -55,6 +55,8 @@ TEST(PlyText, ValuesMustFitTheHeader) {
        "line 7 has an unknown type: 'property uch red'"},
       {"a name with other bytes", Replaced("uchar red", "uchar \xff\xfered"),
        "line 7 has no name of a property"},
+      {"a name that begins with a sign", Replaced("uchar red", "uchar |red"),
+       "line 7 has no name of a property"},
       {"a property without a name", Replaced("uchar red", "uchar"),
        "line 7 has no name of a property: 'property uchar'"},
       {"a list counted by a float", Replaced("list uchar", "list float"), "line 11 has an unknown"},

@@ -142,13 +142,19 @@ TEST(SensorProfile, AFileThatIsCutIsRefused) {
 TEST(SensorProfile, AMissingKeyIsNamed) {
   const TemporaryFolder folder;
   const std::string path = (folder.path() / "part.yaml").string();
-  std::ofstream(path) << "name: part\nmin_range_m: 0.2\nmax_range_m: 2\nedge_dropout: 0.1\n";
-  try {
-    LoadSensorProfile(path);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("part.yaml: quantization_m is missing"),
-                                    testing::Not(HasSubstr("\n"))));
+  const std::string ranges = "min_range_m: 0.2\nmax_range_m: 2\n";
+  const std::pair<std::string, std::string> cases[] = {
+      {"name: part\n" + ranges + "edge_dropout: 0.1\n", "quantization_m"},
+      {"# a sensor name: part\n" + ranges + "quantization_m: 0.001\n", "name"}};
+  for (const auto& [content, key] : cases) {
+    std::ofstream(path) << content;
+    try {
+      LoadSensorProfile(path);
+      ADD_FAILURE() << key;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), AllOf(HasSubstr("part.yaml: " + key + " is missing"),
+                                      testing::Not(HasSubstr("\n"))));
+    }
   }
 }
 
