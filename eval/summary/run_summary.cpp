@@ -84,7 +84,7 @@ std::string BandName(const RecallBand& band) {
 }
 
 std::string HiddenText(double hidden_s) {
-  return hidden_s > 0 ? fmt::format(", {:.1f} s of it hidden", hidden_s) : "";
+  return hidden_s > 0 ? fmt::format(", {:.1f} s hidden behind motion", hidden_s) : "";
 }
 
 std::string CycleText(const CycleTime& cycle) {
@@ -102,12 +102,29 @@ std::string CycleText(const CycleTime& cycle) {
 
 constexpr double kEasyShare = 0.75;  // of the instances that are over 90 % visible
 
-// "22 of 50 attempts (28 without a grasp)".
+int StirsOf(const RunSummary& s) {
+  const auto found = s.failures.find(std::string(FailureName(FailureReason::kStirred)));
+  return found == s.failures.end() ? 0 : found->second;
+}
+
+// "45 executed grasps", or "45 executed grasps and stirs (3 stirs)".
+std::string ExecutedText(const RunSummary& s) {
+  const int stirs = StirsOf(s);
+  if (stirs == 0) return fmt::format("{} executed grasps", s.executed_grasps);
+  return fmt::format("{} executed grasps and stirs ({} stir{})", s.executed_grasps, stirs,
+                     stirs == 1 ? "" : "s");
+}
+
+// "22 of 50 attempts (28 without a grasp, of them 3 stirs)".
 std::string AttemptsText(const RunSummary& s) {
-  const int without = s.attempts_picked.samples - s.executed_grasps;
+  const int stirs = StirsOf(s);
+  const int without = s.attempts_picked.samples - s.executed_grasps + stirs;
   std::string text =
       fmt::format("{} of {} attempts", s.attempts_picked.hits, s.attempts_picked.samples);
-  return without == 0 ? text : text + fmt::format(" ({} without a grasp)", without);
+  if (without == 0) return text;
+  text += fmt::format(" ({} without a grasp", without);
+  if (stirs > 0) text += fmt::format(", of them {} stir{}", stirs, stirs == 1 ? "" : "s");
+  return text + ")";
 }
 
 // "40 of 45 in 3 bins", or "12 of 12 requested, of 240 dropped in 3 bins".
@@ -170,8 +187,7 @@ nlohmann::ordered_json RateObject(const char* samples, const char* hits, const R
 const SuccessRuleRow& RowOf(SuccessRule rule) { return SuccessRuleTable()[static_cast<int>(rule)]; }
 
 std::string RulesText(const RunSummary& summary, bool few_bins) {
-  std::string text =
-      fmt::format("Success of {} executed grasps by rule\n", summary.executed_grasps);
+  std::string text = fmt::format("Success of {} by rule\n", ExecutedText(summary));
   for (const RuleRate& rule : summary.by_rule) {
     const SuccessRuleRow& row = RowOf(rule.rule);
     const ReportRate rate{rule.successes, summary.executed_grasps, rule.ci95};
@@ -438,7 +454,7 @@ std::string SummaryTable(const RunSummary& s) {
   text += "Picks\n";
   if (has_targets) rate("targets picked", s.attempts_picked, AttemptsText(s));
   rate("success rate", {s.successes, s.executed_grasps, s.success_ci95},
-       fmt::format("{} of {} executed grasps", s.successes, s.executed_grasps));
+       fmt::format("{} of {}", s.successes, ExecutedText(s)));
   if (s.tools.size() > 1) {
     for (const auto& [name, tool] : s.tools) {
       line("  with " + name, fmt::format("{}  {} of {} executed grasps",

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "eval/frames/region.h"
 #include "eval/trial/oracle_estimator.h"
@@ -45,10 +46,11 @@ void RequireVisibleSize(const ScenarioSpec& spec, const EstimatorSetup& setup) {
     throw InputError(fmt::format(
         "{} = [{:g}, {:g}, {:g}]: object '{}' is {:.0f} px large at a distance of {:.2f} m, but an "
         "estimator needs "
-        "{:.0f} px; move the camera to {:.2f} m, or use camera.focal_px={:.0f} with more pixels",
+        "{:.0f} px; move the camera to a distance of {:.2f} m, or use camera.focal_px={:.0f} with "
+        "more pixels",
         spec.At("camera.eye_m"), spec.camera.eye_m.x(), spec.camera.eye_m.y(),
         spec.camera.eye_m.z(), object->name, size_px, setup.working_distance_m, kMinDiameter_px,
-        near_m, sharp_px));
+        0.01 * std::floor(100 * near_m), std::ceil(sharp_px)));
   }
 }
 

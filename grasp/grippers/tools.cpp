@@ -4,6 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "grasp/grippers/requirements.h"
 #include "grasp/grippers/table.h"
@@ -64,13 +67,17 @@ ToolCandidates RequireToolCandidates(const ObjectModel& object, const Tools& too
 }
 
 std::string UnfitToolsText(const ObjectSet& objects, const Tools& tools, const std::string& place) {
-  std::string text;
-  if (tools.size() == 1) return text;
+  if (tools.size() == 1) return {};
+  std::map<std::string, std::vector<std::string>> unheld;  // objects by tool
   for (const auto& object : objects) {
     for (const std::string& tool : RequireToolCandidates(*object, tools).unfit) {
-      text += fmt::format("{}: {} cannot hold '{}'; other grippers pick it\n", place, tool,
-                          object->name);
+      unheld[tool].push_back("'" + object->name + "'");
     }
+  }
+  std::string text;
+  for (const auto& [tool, names] : unheld) {
+    text += fmt::format("{}: {} cannot hold {}; other grippers pick {}\n", place, tool,
+                        fmt::join(names, ", "), names.size() == 1 ? "it" : "them");
   }
   return text;
 }

@@ -14,9 +14,9 @@ bool RanksByTolerance(const ScenarioSpec& spec) { return spec.policy.ranking == 
 
 void RequireMaps(const ScenarioSpec& spec) {
   CheckInput(!spec.policy.tolerance_maps.empty(),
-             fmt::format("{}: ranking tolerance needs tolerance maps; make them with pickbed "
-                         "tolerance OBJECT GRIPPER, and name their folder here",
-                         spec.At("policy.tolerance_maps")));
+             fmt::format("{} = {}: needs tolerance maps; make them with pickbed tolerance OBJECT "
+                         "GRIPPER, and name their folder in policy.tolerance_maps",
+                         spec.At("policy.ranking"), spec.policy.ranking));
 }
 
 }  // namespace

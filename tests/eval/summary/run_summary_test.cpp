@@ -118,6 +118,16 @@ TEST(Summarize, ReportsTheRateOfEverySuccessRule) {
   EXPECT_NE(table.find("vgn_loose"), std::string::npos);
 }
 
+// A stir is a failed pick without a grasp.
+TEST(Summarize, StirsAreNamedBesideTheGrasps) {
+  auto trials = TwoTrials();
+  trials[1].attempts.push_back(trials[1].attempts[0]);  // no proposal
+  trials[1].attempts[0].failure = FailureReason::kStirred;
+  const std::string table = SummaryTable(Summarize(trials));
+  EXPECT_THAT(table, HasSubstr("2 of 4 executed grasps and stirs (1 stir)"));
+  EXPECT_THAT(table, HasSubstr("2 of 5 attempts (2 without a grasp, of them 1 stir)"));
+}
+
 // Forty bins in which either every pick succeeds or none. More picks per bin add no information.
 TEST(Summarize, RateIntervalsAreOverBins) {
   std::vector<TrialResult> trials;

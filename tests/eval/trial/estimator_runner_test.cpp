@@ -35,7 +35,7 @@ TEST(KeepThoseInBin, RemovesPosesBesideOrBelowTheBin) {
   }
 }
 
-// The error names a focal length that is enough.
+// The error names a focal length and a distance that are enough, also after rounding.
 TEST(EstimatorRunner, RefusesObjectsThatTheCameraShowsTooSmall) {
   ScenarioSpec spec = CubeScenario(1);
   spec.estimator.name = "ppf";
@@ -49,7 +49,12 @@ TEST(EstimatorRunner, RefusesObjectsThatTheCameraShowsTooSmall) {
   EXPECT_THAT(error, testing::HasSubstr("'cube' is "));
   const std::string key = "camera.focal_px=";
   ASSERT_NE(error.find(key), std::string::npos);
-  spec.camera.focal_px = std::stod(error.substr(error.find(key) + key.size())) + 1;
+  const std::string offer = "to a distance of ";
+  ASSERT_NE(error.find(offer), std::string::npos);
+  const double near_m = std::stod(error.substr(error.find(offer) + offer.size()));
+  EXPECT_GE(EasyCube().front()->diameter_m * spec.camera.focal_px / near_m, 20);
+  EXPECT_LT(EasyCube().front()->diameter_m * spec.camera.focal_px / (near_m + 0.01), 20);
+  spec.camera.focal_px = std::stod(error.substr(error.find(key) + key.size()));
   make();
 }
 

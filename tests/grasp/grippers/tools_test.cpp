@@ -42,6 +42,9 @@ TEST(Tools, ToolThatCannotHoldTheObjectIsNamed) {
   EXPECT_THAT(found.unfit, ElementsAre("jaw_4cm"));
   EXPECT_EQ(UnfitToolsText({BoxObject({0.06, 0.06, 0.06}, 0.2)}, JawAndCup(), "a.yaml:3: gripper"),
             "a.yaml:3: gripper: jaw_4cm cannot hold 'box'; other grippers pick it\n");
+  const ObjectSet two{BoxObject({0.06, 0.06, 0.06}, 0.2), BoxObject({0.05, 0.05, 0.05}, 0.2)};
+  EXPECT_EQ(UnfitToolsText(two, JawAndCup(), "gripper"),
+            "gripper: jaw_4cm cannot hold 'box', 'box'; other grippers pick them\n");
 }
 
 // The same cube is too heavy for the cup with 6 kg.
