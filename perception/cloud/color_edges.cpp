@@ -41,21 +41,21 @@ int Mirrored(int index, int size) {
 
 // Filters the rows, then the columns. OpenCV's filter sums in another order on each kind of CPU,
 // and this decides between poses.
-class RowFilter {
+class SeparableFilter {
  public:
-  RowFilter(const cv::Mat& brightness, const Taps& along_u, const Taps& along_v)
+  SeparableFilter(const cv::Mat& brightness, const Taps& along_u, const Taps& along_v)
       : brightness_(brightness), along_u_(along_u), along_v_(along_v) {}
 
   // Fills the rows `begin` to `end` of the result.
   void Filter(int begin, int end, Image<float>& filtered) const {
     const int width = brightness_.cols, height = brightness_.rows;
-    // The kTaps rows around the present one, each at its index modulo kTaps.
+    // The filtered rows around the current one, each at its index modulo kTaps.
     Image<float> rows(width, kTaps);
     std::vector<float> line(width + 2 * kReach);
-    const auto keep = [&](int v) { FilterRow(Mirrored(v, height), line, rows.row(Slot(v))); };
-    for (int v = begin - kReach; v < begin + kReach; ++v) keep(v);
+    const auto filter_row = [&](int v) { FilterRow(Mirrored(v, height), line, rows.row(Slot(v))); };
+    for (int v = begin - kReach; v < begin + kReach; ++v) filter_row(v);
     for (int v = begin; v < end; ++v) {
-      keep(v + kReach);
+      filter_row(v + kReach);
       float* to = filtered.row(v);
       std::fill_n(to, width, 0.f);
       for (int i = 0; i < kTaps; ++i) {
@@ -99,8 +99,8 @@ ColorEdges FindColorEdges(const CameraIntrinsics& intrinsics, const Image<Rgb8>&
   cv::cvtColor(rgb, brightness, cv::COLOR_RGB2GRAY);
   const Taps gaussian = Gaussian(), derivative = Derivative(gaussian);
   edges.du = edges.dv = Image<float>(color.width(), color.height());
-  const RowFilter along_u(brightness, derivative, gaussian);
-  const RowFilter along_v(brightness, gaussian, derivative);
+  const SeparableFilter along_u(brightness, derivative, gaussian);
+  const SeparableFilter along_v(brightness, gaussian, derivative);
   ForRanges(color.height(), threads, [&](int begin, int end) {
     along_u.Filter(begin, end, edges.du);
     along_v.Filter(begin, end, edges.dv);

@@ -81,7 +81,8 @@ OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackg
                           int threads = 1);
 
 // Returns the depth with single-pixel holes filled: a pixel without depth and with at least six
-// valid neighbours of eight gets their lower median.
+// valid neighbours of eight gets their lower median. The result is the same for any number of
+// threads.
 Image<float> FillSinglePixelHoles(const Image<float>& depth_m, int threads = 1);
 
 }  // namespace pickbed::perception

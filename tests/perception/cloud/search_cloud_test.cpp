@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -106,14 +107,21 @@ RgbdFrame NoisyFrame() {
   return frame;
 }
 
-TEST(SearchCloud, SameBytesForAnyNumberOfThreads) {
-  const RgbdFrame frame = NoisyFrame();
+// A bin of 0.4 x 0.4 m whose floor is 0.9 m below the camera.
+KnownBackground BinBelow() {
+  KnownBackground background;
+  background.bin.inner_size_m = {0.4, 0.4, 0.1};
+  background.X_CB.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
+  background.X_CB.translation().z() = 0.9;
+  return background;
+}
+
+void ExpectSameForThreads(const RgbdFrame& frame, const std::optional<KnownBackground>& background,
+                          const Image<uint8_t>* region) {
   for (const int factor : {1, 2}) {
-    const OrganizedCloud one = SearchCloud(frame, std::nullopt, factor);
-    ASSERT_GT(one.foreground_pixels.size(), 20u);
+    const OrganizedCloud one = SearchCloud(frame, background, factor, region);
     for (const int threads : {2, 3, 8}) {
-      const OrganizedCloud several =
-          SearchCloud(frame, std::nullopt, factor, nullptr, true, threads);
+      const OrganizedCloud several = SearchCloud(frame, background, factor, region, true, threads);
       EXPECT_EQ(several.depth_m, one.depth_m);
       EXPECT_EQ(several.color, one.color);
       EXPECT_EQ(several.points_C, one.points_C);
@@ -123,6 +131,20 @@ TEST(SearchCloud, SameBytesForAnyNumberOfThreads) {
       EXPECT_EQ(several.edges.du, one.edges.du);
       EXPECT_EQ(several.edges.dv, one.edges.dv);
     }
+  }
+}
+
+TEST(SearchCloud, SameBytesForAnyNumberOfThreads) {
+  const RgbdFrame frame = NoisyFrame();
+  Image<uint8_t> left(90, 61), none(90, 61);
+  for (int y = 0; y < 61; ++y) std::fill_n(left.row(y), 40, 1);
+  ASSERT_GT(SearchCloud(frame, std::nullopt, 2).foreground_pixels.size(), 20u);
+  ASSERT_GT(SearchCloud(frame, BinBelow(), 2).foreground_pixels.size(), 20u);
+  for (const std::optional<KnownBackground>& background :
+       {std::optional<KnownBackground>(), std::optional(BinBelow())}) {
+    ExpectSameForThreads(frame, background, nullptr);
+    ExpectSameForThreads(frame, background, &left);
+    ExpectSameForThreads(frame, background, &none);
   }
 }
 

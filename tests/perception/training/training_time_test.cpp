@@ -34,8 +34,8 @@ class SimulatedClock {
 constexpr int kHeldOutScenes = 1, kNetworkScenes = 4;
 constexpr int kScenesBeforeVerifier = kHeldOutScenes + kNetworkScenes;
 
-// Views that take simulated time. The clock of both threads is one, so the scenes of the verifier
-// wait for the end of the network: a renderer that ran ahead would spend the time of the network.
+// Views that take simulated time. Both threads share one clock, so the scenes of the verifier wait
+// for the end of the network: a renderer that ran ahead would spend the time of the network.
 class TimedViews : public RayCastViews {
  public:
   TimedViews(const Costs& costs, SimulatedClock& clock)
