@@ -22,8 +22,6 @@ namespace {
 constexpr size_t kFieldBytes = 4;
 constexpr int kMaxSide = 1 << 14;
 constexpr double kMaxDepth_m = 1e4;  // no camera and no scanner sees as far
-// Shifted or otherwise wrong bytes often give a number near 0, which no sensor does.
-constexpr double kMinDepth_m = 1e-12;
 
 std::string ExtensionOf(const std::filesystem::path& path) {
   std::string extension = path.extension().string();

@@ -12,6 +12,10 @@
 
 namespace pickbed::eval {
 
+// Smallest depth of a cloud or a depth image. Shifted or otherwise wrong bytes often give a number
+// near 0, which no sensor does.
+inline constexpr double kMinDepth_m = 1e-12;
+
 // Fields of a cloud with the layout of an image, row by row.
 struct CloudFile {
   struct Field {

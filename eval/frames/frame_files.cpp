@@ -57,7 +57,6 @@ Image<float> ReadDepth(const std::filesystem::path& file, double given_scale_mm,
   }
   const auto unit_m = static_cast<float>(1e-3 * result.depth_scale_mm);
   constexpr float kNoReading16 = 65535;
-  constexpr float kMinDepth_m = 1e-12f;  // shifted bytes often give a number near 0
   for (float& value : image.values.pixels()) {
     const bool is_hole = !std::isfinite(value) || value <= 0 ||
                          (!image.is_float && image.bits == 16 && value == kNoReading16);

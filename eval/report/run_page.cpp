@@ -26,7 +26,9 @@ std::vector<HeadlineStatistic> HeadlineOf(const ConfigurationReport& configurati
   };
   const bool has_targets = s.target_recall.samples > 0;
   if (has_targets) add("targets picked", s.attempts_picked, "attempts");
-  add("pick success", {s.successes, s.executed_grasps, s.success_ci95}, "executed grasps");
+  const bool has_stirs = s.failures.contains(std::string(FailureName(FailureReason::kStirred)));
+  add("pick success", {s.successes, s.executed_grasps, s.success_ci95},
+      has_stirs ? "executed grasps and stirs" : "executed grasps");
   if (!has_targets) {
     const bool all = s.requested_picked.samples == s.instances_dropped;
     add("instances cleared", s.requested_picked, all ? "dropped" : "requested");
