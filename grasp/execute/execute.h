@@ -51,8 +51,10 @@ struct ExecuteOptions {
   SuccessRule rule = SuccessRule::kRightInstance;  // decides GraspOutcome::success
   // Neighbors at rest keep their contacts, as they did while the bin was filled. Contacts of the
   // hand are searched in every step.
-  PhysicsOptions physics{
-      .sleep_after_s = 0.25, .contact_reuse_m = 0.0001, .awake_boxes_only = true};
+  PhysicsOptions physics{.sleep_after_s = 0.25,
+                         .contact_reuse_m = 0.0001,
+                         .awake_boxes_only = true,
+                         .wake_by_contact = true};
   // Visits all options except `rule`, `retention` and `physics`, whose values were measured.
   void Visit(SettingsVisitor& v);
 };

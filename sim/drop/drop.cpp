@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 #include "scenes/base/error.h"
@@ -25,13 +26,18 @@ class Pouring {
   void PlaceApart(const std::vector<ObjectId>& kinds);
   void PourLayers(const std::vector<RotatedObject>& instances);
   void AddLayer(const std::vector<Cell>& cells);
+  void PourAgain(const std::vector<int>& taken_out);
+  std::vector<int> Faulty() const;
   void Settle();
   void StepFor(double duration_s);  // also removes bodies that fell beside the bin
   double Top_m() const;             // of the highest instance
   bool InBin(int index) const;
   bool StepUntilStill(double window_s, double limit_diameters, double deadline_s);
-  Movement LargestMovement(const std::vector<Pose>& since_X_WO) const;
+  Movement MovementOf(int index) const;  // since the poses in still_X_WO_
+  Movement LargestMovement() const;
   EnergySample Energy() const;
+  std::vector<int> Poured() const;  // without the instances that were taken out
+  Scene SceneOf(const std::vector<int>& indices) const;
   DropResult Result() const;
 
   const Bin& bin_;
@@ -42,8 +48,11 @@ class Pouring {
   PhysicsWorld world_;
   std::vector<Eigen::AlignedBox3d> boxes_O_;  // indexed by object
   std::vector<ObjectId> object_of_instance_;
+  std::vector<bool> taken_out_;  // by index in the world; another instance was poured instead
   std::vector<EnergySample> energy_;
-  Movement movement_;  // since a body last moved by more than the limit
+  std::vector<Pose> still_X_WO_;  // by index: poses when a body last moved by more than the limit
+  std::vector<int> movers_;       // bodies that moved by more than the limit at that time
+  Movement movement_;             // since then
   bool at_rest_ = false;
   int without_place_ = 0;  // instances without room (Arrangement::kPacked)
 };
@@ -86,6 +95,7 @@ DropResult Pouring::Run(const std::vector<int>& counts) {
   if (options_.arrangement == Arrangement::kPacked) {
     PlaceApart(kinds);
   } else {
+    world_.AddFunnel(shaft_, options_.funnel_m);
     Pour(kinds);
   }
   Settle();
@@ -93,7 +103,6 @@ DropResult Pouring::Run(const std::vector<int>& counts) {
 }
 
 void Pouring::Pour(const std::vector<ObjectId>& kinds) {
-  world_.AddFunnel(shaft_, options_.funnel_m);
   std::vector<RotatedObject> instances;
   for (const ObjectId kind : kinds) {
     instances.push_back(
@@ -108,6 +117,7 @@ void Pouring::PlaceApart(const std::vector<ObjectId>& kinds) {
   for (const PlacedInstance& instance : placed) {
     world_.AddInstance(*objects_[instance.object], instance.X_WO);
     object_of_instance_.push_back(instance.object);
+    taken_out_.push_back(false);
   }
   without_place_ = static_cast<int>(kinds.size() - placed.size());
 }
@@ -142,17 +152,59 @@ void Pouring::AddLayer(const std::vector<Cell>& cells) {
     const Vector3d p_WO = Vector3d(low.x(), low.y(), bottom_m) - box.min();
     world_.AddInstance(*objects_[cell.instance->object], MakePose(cell.instance->R_WO, p_WO));
     object_of_instance_.push_back(cell.instance->object);
+    taken_out_.push_back(false);
   }
 }
 
-// The funnel is removed when all instances are calm for the first time. Instances that leaned on it
-// wake up and settle again or fall out. Then contacts are forgotten, and the scene must come to
-// rest again while it is kept awake, as in a world rebuilt from its poses. Each stage has its share
-// of max_s.
+// Takes these instances out and pours new ones of their kinds.
+void Pouring::PourAgain(const std::vector<int>& taken_out) {
+  std::vector<ObjectId> kinds;
+  for (const int index : taken_out) {
+    taken_out_[index] = true;
+    world_.RemoveInstance(index);
+    kinds.push_back(object_of_instance_[index]);
+  }
+  Pour(kinds);
+}
+
+// The upper instance of each overlapping pair, and all instances that have not come to rest.
+// Instances that fell beside the bin are not among them: they are the certificate's matter.
+std::vector<int> Pouring::Faulty() const {
+  std::set<int> faulty;
+  std::vector<int> poured = Poured();
+  const auto fell = [&](int index) { return world_.body(index).body == nullptr; };
+  poured.erase(std::remove_if(poured.begin(), poured.end(), fell), poured.end());
+  const auto height_m = [&](int index) {
+    return (world_.X_WO(index) * objects_[object_of_instance_[index]]->mass.com_O).z();
+  };
+  const double limit_m = CertificateLimits().penetration_m;
+  for (const Overlap& overlap : OverlapsDeeperThan(limit_m, SceneOf(poured), objects_)) {
+    const int first = poured[overlap.first];
+    const int second = overlap.second < 0 ? first : poured[overlap.second];
+    faulty.insert(height_m(first) < height_m(second) ? second : first);
+  }
+  for (const int index : movers_) {
+    if (!at_rest_ && !fell(index)) faulty.insert(index);
+  }
+  return {faulty.begin(), faulty.end()};
+}
+
+// Faulty instances are poured again. Once all instances are calm, the funnel is removed. Instances
+// that leaned on it wake up and settle again or fall out. Then contacts are forgotten, and the
+// scene must come to rest again while it is kept awake, as in a world rebuilt from its poses. Each
+// stage has its share of max_s.
 void Pouring::Settle() {
-  const double start_s = world_.time_s();
+  double start_s = world_.time_s();
   const auto deadline_s = [&](double share) { return start_s + share * options_.max_s; };
   at_rest_ = StepUntilStill(options_.calm_s, options_.calm_diameters, deadline_s(0.5));
+  const int rounds = options_.arrangement == Arrangement::kPacked ? 0 : options_.pour_again_rounds;
+  for (int round = 0; round < rounds && !world_.BlewUp(); ++round) {
+    const std::vector<int> faulty = Faulty();
+    if (faulty.empty()) break;
+    PourAgain(faulty);
+    start_s = world_.time_s();
+    at_rest_ = StepUntilStill(options_.calm_s, options_.calm_diameters, deadline_s(0.5));
+  }
   if (world_.RemoveFunnel() > 0) {
     at_rest_ = StepUntilStill(options_.calm_s, options_.calm_diameters, deadline_s(0.75));
   }
@@ -165,14 +217,19 @@ void Pouring::Settle() {
 // Steps until all instances sleep, or until none moves by more than `limit_diameters` for
 // `window_s`. Returns whether this happened before the deadline.
 bool Pouring::StepUntilStill(double window_s, double limit_diameters, double deadline_s) {
-  std::vector<Pose> since_X_WO;
+  still_X_WO_.clear();
   double since_s = 0;
   while (!world_.BlewUp()) {
-    movement_ = LargestMovement(since_X_WO);
-    if (since_X_WO.empty() || movement_.diameters > limit_diameters) {
+    movement_ = LargestMovement();
+    if (still_X_WO_.empty() || movement_.diameters > limit_diameters) {
       since_s = world_.time_s();
-      since_X_WO.clear();
-      for (int i = 0; i < world_.instance_count(); ++i) since_X_WO.push_back(world_.X_WO(i));
+      movers_.clear();
+      for (size_t i = 0; i < still_X_WO_.size(); ++i) {
+        const int index = static_cast<int>(i);
+        if (MovementOf(index).diameters > limit_diameters) movers_.push_back(index);
+      }
+      still_X_WO_.clear();
+      for (int i = 0; i < world_.instance_count(); ++i) still_X_WO_.push_back(world_.X_WO(i));
     }
     if (world_.AllAsleep() || world_.time_s() >= since_s + window_s) return true;
     if (world_.time_s() >= deadline_s) return false;
@@ -181,12 +238,20 @@ bool Pouring::StepUntilStill(double window_s, double limit_diameters, double dea
   return false;
 }
 
-Movement Pouring::LargestMovement(const std::vector<Pose>& since_X_WO) const {
+Movement Pouring::MovementOf(int index) const {
+  Movement movement;
+  const ObjectId object = object_of_instance_[index];
+  movement.Include(boxes_O_[object], objects_[object]->diameter_m, still_X_WO_[index],
+                   world_.X_WO(index));
+  return movement;
+}
+
+Movement Pouring::LargestMovement() const {
   Movement largest;
-  for (size_t i = 0; i < since_X_WO.size(); ++i) {
-    const ObjectId object = object_of_instance_[i];
-    largest.Include(boxes_O_[object], objects_[object]->diameter_m, since_X_WO[i],
-                    world_.X_WO(static_cast<int>(i)));
+  for (size_t i = 0; i < still_X_WO_.size(); ++i) {
+    const Movement movement = MovementOf(static_cast<int>(i));
+    largest.m = std::max(largest.m, movement.m);
+    largest.diameters = std::max(largest.diameters, movement.diameters);
   }
   return largest;
 }
@@ -195,7 +260,7 @@ void Pouring::StepFor(double duration_s) {
   const double end_s = world_.time_s() + duration_s;
   if (options_.on_wait) options_.on_wait();
   while (world_.time_s() < end_s) world_.Step();
-  for (int i = 0; i < world_.instance_count(); ++i) {
+  for (const int i : Poured()) {
     const ObjectModel& model = *objects_[object_of_instance_[i]];
     if ((world_.X_WO(i) * model.mass.com_O).z() < -options_.fallen_m) world_.RemoveInstance(i);
   }
@@ -204,7 +269,7 @@ void Pouring::StepFor(double duration_s) {
 
 EnergySample Pouring::Energy() const {
   EnergySample sample{world_.time_s(), 0, 0};
-  for (int i = 0; i < world_.instance_count(); ++i) {
+  for (const int i : Poured()) {
     const MassProperties& mass = objects_[object_of_instance_[i]]->mass;
     const Pose X_WO = world_.X_WO(i);
     const Twist V_WO = world_.V_WO(i);
@@ -219,7 +284,7 @@ EnergySample Pouring::Energy() const {
 
 double Pouring::Top_m() const {
   double top_m = 0;
-  for (int i = 0; i < world_.instance_count(); ++i) {
+  for (const int i : Poured()) {
     const Pose X_WO = world_.X_WO(i);
     const ObjectModel& model = *objects_[object_of_instance_[i]];
     top_m = std::max(top_m, X_WO.translation().z() + RotatedBox(model, X_WO.linear()).max().z());
@@ -232,9 +297,26 @@ bool Pouring::InBin(int index) const {
   return bin_.Holds(world_.X_WO(index) * model.mass.com_O);
 }
 
+std::vector<int> Pouring::Poured() const {
+  std::vector<int> poured;
+  for (int i = 0; i < world_.instance_count(); ++i) {
+    if (!taken_out_[i]) poured.push_back(i);
+  }
+  return poured;
+}
+
+Scene Pouring::SceneOf(const std::vector<int>& indices) const {
+  Scene scene;
+  scene.bin = bin_;
+  for (const int index : indices) {
+    const InstanceId instance(scene.objects.size());
+    scene.objects.push_back({instance, object_of_instance_[index], world_.X_WO(index)});
+  }
+  return scene;
+}
+
 DropResult Pouring::Result() const {
   DropResult result;
-  result.scene.bin = bin_;
   SceneCertificate& certificate = result.certificate;
   certificate.at_rest = at_rest_;
   certificate.simulated_s = world_.time_s();
@@ -243,17 +325,18 @@ DropResult Pouring::Result() const {
   certificate.wake_movement_diameters = movement_.diameters;
   certificate.energy = energy_;
   certificate.instances_outside = without_place_;
-  for (int i = 0; i < world_.instance_count(); ++i) {
+  std::vector<int> in_bin;
+  for (const int i : Poured()) {
     if (!InBin(i)) {
       ++certificate.instances_outside;
       continue;
     }
+    in_bin.push_back(i);
     const Twist V_WO = world_.V_WO(i);
     certificate.max_speed_mps = std::max(certificate.max_speed_mps, V_WO.linear_W.norm());
     certificate.max_spin_radps = std::max(certificate.max_spin_radps, V_WO.angular_W.norm());
-    const InstanceId instance(result.scene.objects.size());
-    result.scene.objects.push_back({instance, object_of_instance_[i], world_.X_WO(i)});
   }
+  result.scene = SceneOf(in_bin);
   certificate.deepest_penetration_m = DeepestPenetration(result.scene, objects_);
   return result;
 }
@@ -281,6 +364,8 @@ void DropOptions::Visit(SettingsVisitor& v) {
   v.Real("fallen_m", fallen_m, length, "depth below the floor at which bodies are removed, m");
   v.Integer("turn_attempts", turn_attempts, {1, 1000000},
             "maximum number of orientations tried for an instance");
+  v.Integer("pour_again_rounds", pour_again_rounds, {0, 1000},
+            "maximum number of times that instances that overlap or keep moving are poured again");
   v.Real("calm_s", calm_s, seconds, "time without movement after which a scene is calm, s");
   v.Real("calm_diameters", calm_diameters, diameters, "maximum movement during calm_s, diameters");
   v.Real("wake_s", wake_s, seconds,

@@ -33,6 +33,10 @@ struct DropOptions {
   double check_interval_s = 0.05;  // time between two checks for rest
   double fallen_m = 0.2;           // bodies deeper below the floor than this are removed
   int turn_attempts = 20;          // random orientations tried until one fits between the walls
+  // Instances that overlap others or keep moving are taken out and poured again, at most this
+  // often. A new drop of all instances takes several times as long, and may have such instances
+  // again.
+  int pour_again_rounds = 3;
   // A scene is calm if all instances sleep. It is also calm if for `calm_s` no instance's surface
   // has moved by more than `calm_diameters` times its diameter. An unstable pose moves much faster:
   // a 5 cm object tips over in 0.3 s.
@@ -63,7 +67,8 @@ Arrangement ArrangementFromName(const std::string& name);
 
 // Drops `counts[i]` instances of objects[i] in random order and orientation. The result depends
 // only on the arguments, including the state of `rng`. Each layer is packed into rows of disjoint
-// cells above the scene, between walls that keep all instances over the bin until they rest. Packed
+// cells above the scene, between walls that keep all instances over the bin until they rest.
+// Poured instances that overlap others or do not rest are poured again before the walls go. Packed
 // instances have a random yaw. Their up direction is the entry of ObjectModel::resting_O nearest to
 // O's z, or z itself if there is none. Instances without a free place count as outside. Throws
 // InputError if an object does not fit on the bin floor, and for options out of range. Throws

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
+#include <utility>
 
 #include "sim/convex/convex_hull.h"
 
@@ -128,22 +130,43 @@ std::vector<PlacedHull> PlaceAll(const Scene& scene, const ObjectSet& objects) {
   return placed;
 }
 
-}  // namespace
-
-double DeepestPenetration(const Scene& scene, const ObjectSet& objects) {
+// Visits the pairs of pieces of two owners whose boxes meet.
+template <typename Visit>
+void ForEachMeetingPair(const Scene& scene, const ObjectSet& objects, const Visit& visit) {
   std::vector<PlacedHull> hulls = PlaceAll(scene, objects);
   std::sort(hulls.begin(), hulls.end(), [](const PlacedHull& a, const PlacedHull& b) {
     return a.box.min().x() < b.box.min().x();
   });
-  double deepest_m = 0;
   for (size_t i = 0; i < hulls.size(); ++i) {  // sweep along x
     for (size_t k = i + 1; k < hulls.size(); ++k) {
       if (hulls[k].box.min().x() > hulls[i].box.max().x()) break;
       if (hulls[i].owner == hulls[k].owner || !hulls[i].box.intersects(hulls[k].box)) continue;
-      deepest_m = Depth(hulls[i], hulls[k], deepest_m);
+      visit(hulls[i], hulls[k]);
     }
   }
+}
+
+}  // namespace
+
+double DeepestPenetration(const Scene& scene, const ObjectSet& objects) {
+  double deepest_m = 0;
+  ForEachMeetingPair(scene, objects, [&](const PlacedHull& a, const PlacedHull& b) {
+    deepest_m = Depth(a, b, deepest_m);
+  });
   return deepest_m;
+}
+
+std::vector<Overlap> OverlapsDeeperThan(double limit_m, const Scene& scene,
+                                        const ObjectSet& objects) {
+  std::set<std::pair<int, int>> pairs;
+  ForEachMeetingPair(scene, objects, [&](const PlacedHull& a, const PlacedHull& b) {
+    if (Depth(a, b, limit_m) <= limit_m) return;
+    const auto [low, high] = std::minmax(a.owner, b.owner);
+    pairs.insert(low == kBinOwner ? std::pair(high, low) : std::pair(low, high));
+  });
+  std::vector<Overlap> overlaps;
+  for (const auto& [first, second] : pairs) overlaps.push_back({first, second});
+  return overlaps;
 }
 
 }  // namespace pickbed::sim

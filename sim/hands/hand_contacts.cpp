@@ -6,10 +6,23 @@
 
 namespace pickbed::sim {
 
-const btCollisionObject* OtherBody(const btPersistentManifold& manifold,
-                                   const btCollisionObject& body) {
-  if (manifold.getBody0() == &body) return manifold.getBody1();
-  return manifold.getBody1() == &body ? manifold.getBody0() : nullptr;
+std::vector<BodyContacts> ContactsOf(const btCollisionObject& body, btCollisionWorld& world) {
+  std::vector<BodyContacts> contacts;
+  btManifoldArray manifolds;
+  btOverlappingPairCache& pairs = *world.getPairCache();
+  for (int i = 0; i < pairs.getNumOverlappingPairs(); ++i) {
+    const btBroadphasePair& pair = pairs.getOverlappingPairArrayPtr()[i];
+    const auto* first = static_cast<const btCollisionObject*>(pair.m_pProxy0->m_clientObject);
+    const auto* second = static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject);
+    if ((first != &body && second != &body) || pair.m_algorithm == nullptr) continue;
+    const btCollisionObject* other = first == &body ? second : first;
+    manifolds.resize(0);
+    pair.m_algorithm->getAllContactManifolds(manifolds);
+    for (int m = 0; m < manifolds.size(); ++m) {
+      if (manifolds[m]->getNumContacts() > 0) contacts.push_back({manifolds[m], other});
+    }
+  }
+  return contacts;
 }
 
 double NormalForce_n(const btPersistentManifold& manifold, double step_s) {

@@ -2,10 +2,13 @@
 
 // Private to sim/hands: contact forces on a hand, read from Bullet's last step.
 
+#include <vector>
+
 #include "scenes/geometry/pose.h"
 #include "sim/hands/hand.h"
 
 class btCollisionObject;
+class btCollisionWorld;
 class btPersistentManifold;
 
 namespace pickbed::sim {
@@ -13,9 +16,15 @@ namespace pickbed::sim {
 // An instance touches the hand from this force on.
 inline constexpr double kTouch_n = 0.01;
 
-// Returns the body that touches `body` in this manifold, or null if `body` is not part of it.
-const btCollisionObject* OtherBody(const btPersistentManifold& manifold,
-                                   const btCollisionObject& body);
+// Contacts of a body of the hand with one convex piece of another body.
+struct BodyContacts {
+  const btPersistentManifold* manifold = nullptr;
+  const btCollisionObject* other = nullptr;
+};
+
+// Returns all contacts of a body. Only the manifolds of its own pairs are read: a pile has
+// thousands of others.
+std::vector<BodyContacts> ContactsOf(const btCollisionObject& body, btCollisionWorld& world);
 
 // Returns the sum over the contacts, N.
 double NormalForce_n(const btPersistentManifold& manifold, double step_s);

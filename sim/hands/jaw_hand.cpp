@@ -274,15 +274,12 @@ void JawHand::AfterStep(std::vector<PadFriction> frictions) {
 void JawHand::ReadContacts() {
   forces_n_ = {0, 0};
   touched_.clear();
-  btDispatcher& dispatcher = *world_.getDispatcher();
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
-    for (int i = 0; i < 2; ++i) {
-      const btCollisionObject* other = OtherBody(manifold, *fingers_[i]);
-      if (other == nullptr || other->getUserIndex() < 0) continue;
-      const double force_n = NormalForce_n(manifold, step_s_);
+  for (int i = 0; i < 2; ++i) {
+    for (const BodyContacts& contacts : ContactsOf(*fingers_[i], world_)) {
+      if (contacts.other->getUserIndex() < 0) continue;
+      const double force_n = NormalForce_n(*contacts.manifold, step_s_);
       forces_n_[i] += force_n;
-      if (force_n > kTouch_n) touched_.push_back(other->getUserIndex());
+      if (force_n > kTouch_n) touched_.push_back(contacts.other->getUserIndex());
     }
   }
   for (int i = 0; i < 2; ++i) {
@@ -294,15 +291,12 @@ void JawHand::ReadContacts() {
 
 HandLoad JawHand::Load() const {
   HandLoad load;
-  btDispatcher& dispatcher = *world_.getDispatcher();
-  const std::array<const btRigidBody*, 3> bodies{fingers_[0].get(), fingers_[1].get(), palm_.get()};
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
-    for (size_t i = 0; i < bodies.size(); ++i) {
-      const btCollisionObject* other = OtherBody(manifold, *bodies[i]);
-      if (other == nullptr || other->getUserIndex() < 0) continue;
-      if (bodies[i] == palm_.get()) load.stiff_n += NormalForce_n(manifold, step_s_);
-      AddContactForces(manifold, manifold.getBody0() == bodies[i], X_WG_, step_s_, load);
+  for (const btRigidBody* body : {fingers_[0].get(), fingers_[1].get(), palm_.get()}) {
+    for (const BodyContacts& contacts : ContactsOf(*body, world_)) {
+      if (contacts.other->getUserIndex() < 0) continue;
+      const btPersistentManifold& manifold = *contacts.manifold;
+      if (body == palm_.get()) load.stiff_n += NormalForce_n(manifold, step_s_);
+      AddContactForces(manifold, manifold.getBody0() == body, X_WG_, step_s_, load);
     }
   }
   const Eigen::Matrix3d R_GW = X_WG_.linear().transpose();

@@ -281,13 +281,9 @@ void CupHand::ReadContacts() {
     forces_n_[0] = spec_.bellows_npm * facing_.seal.compression_m;
   }
   if (forces_n_[0] > kTouch_n) touched_.push_back(facing_.index);
-  btDispatcher& dispatcher = *world_.getDispatcher();
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
-    const btCollisionObject* other = OtherBody(manifold, *body_);
-    if (other == nullptr) continue;
-    const int index = other->getUserIndex();
-    const double force_n = NormalForce_n(manifold, step_s_);
+  for (const BodyContacts& contacts : ContactsOf(*body_, world_)) {
+    const int index = contacts.other->getUserIndex();
+    const double force_n = NormalForce_n(*contacts.manifold, step_s_);
     forces_n_[1] += force_n;
     if (index >= 0 && force_n > kTouch_n) touched_.push_back(index);
   }
@@ -307,12 +303,10 @@ HandLoad CupHand::Load() const {
     load.force_n.z() = -forces_n_[0];
     load.torque_nm = Eigen::Vector3d(at.x(), at.y(), 0).cross(load.force_n);
   }
-  btDispatcher& dispatcher = *world_.getDispatcher();
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
-    const btCollisionObject* other = OtherBody(manifold, *body_);
-    if (other == nullptr || other->getUserIndex() < 0) continue;
-    AddContactForces(manifold, manifold.getBody0() == body_.get(), X_WG_, step_s_, load);
+  for (const BodyContacts& contacts : ContactsOf(*body_, world_)) {
+    if (contacts.other->getUserIndex() < 0) continue;
+    const bool hand_is_first = contacts.manifold->getBody0() == body_.get();
+    AddContactForces(*contacts.manifold, hand_is_first, X_WG_, step_s_, load);
   }
   return load;
 }

@@ -16,9 +16,6 @@ namespace pickbed::sim {
 struct PadOptions {
   double gives_m = 0.00025;  // compliance of the rubber: a surface this near touches; 0..0.001
   double outline_update_s = 1.0 / 30;  // interval after which a sticking patch's outline is updated
-  // An object lighter than this share of a finger's mass keeps its contact impulses of the last
-  // step in full. For heavier objects this would only make the normal force oscillate at its limit.
-  double light_share = 0.5;
   void Visit(SettingsVisitor& v);
 };
 

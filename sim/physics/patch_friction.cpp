@@ -50,18 +50,17 @@ void PadOptions::Visit(SettingsVisitor& v) {
   v.Real("gives_m", gives_m, {0, 0.001}, "distance at which a surface touches the pad, m");
   v.Real("outline_update_s", outline_update_s, {0, 10},
          "interval after which a sticking patch's outline is updated, s");
-  v.Real("light_share", light_share, {0, 1000},
-         "mass below which an object keeps its contact impulses, finger masses");
 }
 
 void PatchFrictionSolver::BeginStep() {
+  WarmJointSolver::BeginStep();
   ++step_;
   frictions_.clear();
 }
 
 void PatchFrictionSolver::convertContacts(btPersistentManifold** manifolds, int manifold_count,
                                           const btContactSolverInfo& info) {
-  btSequentialImpulseConstraintSolver::convertContacts(manifolds, manifold_count, info);
+  WarmJointSolver::convertContacts(manifolds, manifold_count, info);
   patches_.clear();
   if (pads.empty()) return;
   FindPatches(info);
@@ -97,27 +96,13 @@ void PatchFrictionSolver::FindPatches(const btContactSolverInfo& info) {
     if (!patch->contacts.empty() && patch->contacts.back() == row.m_frictionIndex) continue;
     patch->contacts.push_back(row.m_frictionIndex);
     patch->friction = point.m_combinedFriction;
-    if (instance->getMass() < options_.light_share * pad->getMass()) {
-      TopUp(row.m_frictionIndex, 1 - info.m_warmstartingFactor);
-    }
+    // Bullet starts a contact from a share of its last impulse. The solver must find the rest
+    // again, which takes more iterations than available with heavy fingers on a light object: the
+    // pads sank 4 mm into a 15 mm cube of 10 g and threw it. So the missing share is added here.
+    AddImpulse(m_tmpSolverContactConstraintPool[row.m_frictionIndex],
+               (1 - info.m_warmstartingFactor) * point.getAppliedImpulse());
     patch->points.push_back(point.getPositionWorldOnA());
   }
-}
-
-// Bullet starts a contact from a share of its last impulse. The solver must find the rest again in
-// every step. With heavy fingers on a light object, this takes more iterations than available. The
-// pads sank 4 mm into a 15 mm cube of 10 g and threw it. So the missing share is added here.
-void PatchFrictionSolver::TopUp(int contact, btScalar share) {
-  btSolverConstraint& row = m_tmpSolverContactConstraintPool[contact];
-  const auto& point = *static_cast<btManifoldPoint*>(row.m_originalContactPoint);
-  const btScalar impulse = share * point.getAppliedImpulse();
-  btSolverBody& a = m_tmpSolverBodyPool[row.m_solverBodyIdA];
-  btSolverBody& b = m_tmpSolverBodyPool[row.m_solverBodyIdB];
-  a.internalApplyImpulse(row.m_contactNormal1 * a.internalGetInvMass(), row.m_angularComponentA,
-                         impulse);
-  b.internalApplyImpulse(row.m_contactNormal2 * b.internalGetInvMass(), row.m_angularComponentB,
-                         impulse);
-  row.m_appliedImpulse += impulse;
 }
 
 // At a corner or a bulge there is no outline. The contact points replace it then.
@@ -179,7 +164,7 @@ void PatchFrictionSolver::Prepare(Patch& patch, const btContactSolverInfo& info)
         row.turn_pad.dot(row.answer_pad) + row.turn_instance.dot(row.answer_instance);
     if (!is_turn) row.inverse_mass += pad.getInvMass() + instance.getInvMass();
   }
-  patch.impulse = info.m_warmstartingFactor * memory.impulse;
+  patch.impulse = memory.impulse;
   Apply(patch, patch.impulse);
 }
 
@@ -244,9 +229,9 @@ btScalar PatchFrictionSolver::solveSingleIteration(
     int iteration, btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
     int manifold_count, btTypedConstraint** constraints, int constraint_count,
     const btContactSolverInfo& info, btIDebugDraw* draw) {
-  btScalar residual = btSequentialImpulseConstraintSolver::solveSingleIteration(
-      iteration, bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info,
-      draw);
+  btScalar residual = WarmJointSolver::solveSingleIteration(iteration, bodies, body_count,
+                                                            manifolds, manifold_count, constraints,
+                                                            constraint_count, info, draw);
   for (Patch& patch : patches_) residual = std::max(residual, Solve(patch));
   return iteration + 1 < min_iterations ? SIMD_INFINITY : residual;
 }
@@ -272,8 +257,7 @@ btScalar PatchFrictionSolver::solveGroupCacheFriendlyFinish(btCollisionObject** 
     frictions_.push_back(FrictionOf(patch, info.m_timeStep));
   }
   patches_.clear();
-  return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish(bodies, body_count,
-                                                                            info);
+  return WarmJointSolver::solveGroupCacheFriendlyFinish(bodies, body_count, info);
 }
 
 }  // namespace pickbed::sim

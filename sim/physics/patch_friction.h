@@ -12,7 +12,6 @@
 // force-motion models for sliding manipulation"). While the patch sticks, its stored sticking pose
 // prevents creep, as Bullet's friction anchors do. Normal forces are Bullet's.
 
-#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <map>
@@ -22,11 +21,13 @@
 #include "sim/physics/attached_hand.h"
 #include "sim/physics/bullet_types.h"
 #include "sim/physics/physics_world.h"
+#include "sim/physics/warm_joints.h"
 
 namespace pickbed::sim {
 
-// Bullet's solver with one friction per pad patch.
-class PatchFrictionSolver : public btSequentialImpulseConstraintSolver {
+// Solver with one friction per pad patch. Contacts on a pad face start from their last impulses,
+// like joints.
+class PatchFrictionSolver : public WarmJointSolver {
  public:
   explicit PatchFrictionSolver(const PadOptions& options) : options_(options) {}
 
@@ -88,7 +89,6 @@ class PatchFrictionSolver : public btSequentialImpulseConstraintSolver {
     bool is_slipping = false;
   };
 
-  void TopUp(int contact, btScalar share);
   void FindPatches(const btContactSolverInfo& info);
   void UpdateOutline(Patch& patch) const;
   void Prepare(Patch& patch, const btContactSolverInfo& info);

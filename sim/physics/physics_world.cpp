@@ -8,6 +8,7 @@
 
 #include "sim/physics/body_shapes.h"
 #include "sim/physics/bullet_types.h"
+#include "sim/physics/contact_islands.h"
 #include "sim/physics/contact_reuse.h"
 #include "sim/physics/patch_friction.h"
 #include "sim/physics/warm_contact.h"
@@ -66,7 +67,7 @@ struct PhysicsWorld::Impl {
   ReusingDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
   PatchFrictionSolver solver{options.pad};
-  btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+  ContactIslandWorld world{dispatcher, broadphase, solver, configuration, options.wake_by_contact};
   std::vector<std::unique_ptr<btCollisionShape>> shapes;
   BodyShapes body_shapes{options.hull_margin_m};
   std::vector<std::unique_ptr<btRigidBody>> statics;
@@ -210,6 +211,8 @@ void PhysicsOptions::Visit(SettingsVisitor& v) {
          "movement up to which a pair keeps its contacts, m; 0 = contacts are always searched");
   v.Bool("awake_boxes_only", awake_boxes_only,
          "whether bounding boxes of sleeping and static bodies are not updated");
+  v.Bool("wake_by_contact", wake_by_contact,
+         "whether a hand wakes only the instances that it touches");
   v.Group(
       "pad", [this](SettingsVisitor& g) { pad.Visit(g); }, "contact settings of finger pads");
 }

@@ -48,6 +48,9 @@ struct PhysicsOptions {
   // Does not update the bounding boxes of sleeping and static bodies. This changes the order of
   // pairs, so the same seed gives other clutter scenes.
   bool awake_boxes_only = false;
+  // A hand wakes only the instances that it touches, see sim/physics/contact_islands.h. Scenes
+  // without a hand do not change.
+  bool wake_by_contact = false;
   PadOptions pad{};
   void Visit(SettingsVisitor& v);
 };

@@ -49,7 +49,9 @@ TEST_F(Stir, TightBlockBecomesGraspable) {
   EXPECT_EQ(FailureName(stirred.outcome.failure), "stirred");
   EXPECT_FALSE(stirred.outcome.success);
   EXPECT_GT(stirred.outcome.neighbors_displaced, 0);
-  EXPECT_EQ(stirred.after.objects.size(), 9u);
+  // A finger that presses on the edge of a cube can make it jump over the wall. In 41 stirs at
+  // other places, this happened to 3 of 369 cubes.
+  EXPECT_GE(stirred.after.objects.size(), 8u);
   EXPECT_TRUE(graspable(stirred.after));
 }
 

@@ -113,5 +113,24 @@ TEST(DeepestPenetration, IsTheMinimumOverlapOverAllDirections) {
   EXPECT_GE(overlapping, 4);
 }
 
+// Cube 1 is 2 mm in cube 0, cube 2 is 0.3 mm in cube 1, and cube 3 is 1 mm in the floor.
+TEST(OverlapsDeeperThan, NamesTheTwoBodiesOfEachDeepOverlap) {
+  const ObjectSet cube{BoxObject(Vector3d::Constant(0.04), 0.1)};
+  Scene scene;
+  const std::vector<Vector3d> places{
+      {0, 0, 0.1}, {0.038, 0, 0.1}, {0.0777, 0, 0.1}, {-0.1, 0, 0.019}};
+  for (const Vector3d& p_WO : places) {
+    scene.objects.push_back({InstanceId(scene.objects.size()), ObjectId(0), Translation(p_WO)});
+  }
+  const std::vector<Overlap> overlaps = OverlapsDeeperThan(0.0005, scene, cube);
+  ASSERT_EQ(overlaps.size(), 2u);
+  EXPECT_EQ(overlaps[0].first, 0);
+  EXPECT_EQ(overlaps[0].second, 1);
+  EXPECT_EQ(overlaps[1].first, 3);
+  EXPECT_EQ(overlaps[1].second, -1);
+  EXPECT_EQ(OverlapsDeeperThan(0.0002, scene, cube).size(), 3u);
+  EXPECT_TRUE(OverlapsDeeperThan(0.0021, scene, cube).empty());
+}
+
 }  // namespace
 }  // namespace pickbed::tests

@@ -19,12 +19,13 @@ Pose HandAbove(double z_m) {
 struct HeldBox {
   static constexpr double kMass_kg = 0.2;
   static constexpr double kFriction = 0.6;
-  std::shared_ptr<const ObjectModel> box = BoxObject({0.05, 0.05, 0.05}, kMass_kg, kFriction);
+  std::shared_ptr<const ObjectModel> box;
   PhysicsWorld world;
   Hand* hand = nullptr;
   double hand_z_m = 0.02;
 
-  explicit HeldBox(double force_n) {
+  explicit HeldBox(double force_n, double mass_kg = kMass_kg)
+      : box(BoxObject({0.05, 0.05, 0.05}, mass_kg, kFriction)) {
     world.AddStaticBox(Translation({0, 0, -0.05}), {0.5, 0.5, 0.05}, 0.5);
     world.AddInstance(*box, Translation({0, 0, 0.0255}));
     HandSpec spec;
@@ -134,6 +135,27 @@ TEST(Hand, PressesWithTheConfiguredForceOnBothSides) {
     }
     EXPECT_EQ(held.world.InstancesTouchingHand(), std::vector<int>{0});
     EXPECT_NEAR(held.hand->opening_m(), 0.05, 0.0015);
+  }
+}
+
+// The force must not swing from step to step, whether the object is lighter or heavier than a
+// finger.
+TEST(Hand, ForceOnAHeldBoxIsSteady) {
+  for (const double mass_kg : {0.02, 0.2, 1.0}) {
+    HeldBox held(40, mass_kg);
+    held.hand->Close();
+    held.RunFor(0.6);
+    held.Lift(0.10, 1.0);
+    held.RunFor(0.5);
+    double low_n = 1e9, high_n = 0;
+    for (int i = 0; i < 120; ++i) {
+      held.RunFor(held.world.step_s());
+      const double contact_n = held.hand->ContactForces_n()[0];
+      low_n = std::min(low_n, contact_n);
+      high_n = std::max(high_n, contact_n);
+    }
+    EXPECT_NEAR(low_n, 40, 0.2) << mass_kg;
+    EXPECT_NEAR(high_n, 40, 0.2) << mass_kg;
   }
 }
 
