@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,6 +35,50 @@ void CheckPages(const Database& db) {
                                          OneLine(answer), kRestoreAdvice));
 }
 
+constexpr double kMaxCount = 2147483647;
+constexpr double kLongest_m = 1000;  // far more than the errors of any cell
+constexpr double kHalfTurn_rad = 3.15;
+
+// Values that a column can have. The measurements of an attempt are not among them, since a body
+// may have any state after the physics failed.
+struct ColumnRange {
+  const char* column;
+  double low = 0;
+  double high = kMaxCount;
+};
+constexpr ColumnRange kTrialRanges[] = {
+    {"simulated_s"},
+    {"max_speed_mps"},
+    {"max_spin_radps"},
+    {"deepest_penetration_m"},
+    {"wake_movement_m"},
+    {"wake_movement_diameters"},
+    {"instances_tested"},
+    {"instances_graspable"},
+    {"hand_eye_x_m", -kLongest_m, kLongest_m},
+    {"hand_eye_y_m", -kLongest_m, kLongest_m},
+    {"hand_eye_z_m", -kLongest_m, kLongest_m},
+    {"hand_eye_rx_rad", -kHalfTurn_rad, kHalfTurn_rad},
+    {"hand_eye_ry_rad", -kHalfTurn_rad, kHalfTurn_rad},
+    {"hand_eye_rz_rad", -kHalfTurn_rad, kHalfTurn_rad},
+    {"depth_bias_m", -kLongest_m, kLongest_m},
+    {"bin_x_m", -kLongest_m, kLongest_m},
+    {"bin_y_m", -kLongest_m, kLongest_m},
+    {"bin_z_m", -kLongest_m, kLongest_m},
+    {"bin_rx_rad", -kHalfTurn_rad, kHalfTurn_rad},
+    {"bin_ry_rad", -kHalfTurn_rad, kHalfTurn_rad},
+    {"bin_rz_rad", -kHalfTurn_rad, kHalfTurn_rad},
+};
+constexpr ColumnRange kAttemptRanges[] = {
+    {"instances_lifted"},    {"instances_touched"}, {"instances_risen"}, {"instances_entangled"},
+    {"neighbors_displaced"}, {"pick_of_image"},     {"layer"},
+};
+constexpr ColumnRange kRejectionRanges[] = {{"grasps"}};
+constexpr ColumnRange kBandRanges[] = {
+    {"targets_given_up"}, {"blockers"},        {"blockers_kept"},
+    {"blockers_refused"}, {"blockers_jumped"}, {"blockers_useless"},
+};
+
 template <typename Row>
 void CheckColumns(const Database& db, const std::string& table) {
   for (const std::string& column : ColumnsOf<Row>()) {
@@ -53,6 +98,31 @@ void RequireNoRow(const Database& db, const std::string& table, const std::strin
   int row = 0;
   statement.Read(0, row);
   ThrowDamaged(db, table, fmt::format("row {}", row), fault);
+}
+
+// Requires that all values of these columns are in their ranges. The table is read once.
+void RequireRanges(const Database& db, const std::string& table,
+                   std::span<const ColumnRange> ranges) {
+  std::string first_fault, any_fault;
+  for (const ColumnRange& range : ranges) {
+    const std::string fault =
+        fmt::format("NOT {} BETWEEN {} AND {}", range.column, range.low, range.high);
+    first_fault += fmt::format(" WHEN {} THEN '{}'", fault, range.column);
+    any_fault += (any_fault.empty() ? "" : " OR ") + fault;
+  }
+  Statement statement(db, fmt::format("SELECT rowid, CASE{} END FROM {} WHERE {} LIMIT 1",
+                                      first_fault, table, any_fault));
+  if (!statement.Step()) return;
+  int row = 0;
+  std::string column;
+  statement.Read(0, row);
+  statement.Read(1, column);
+  for (const ColumnRange& range : ranges) {
+    if (range.column != column) continue;
+    ThrowDamaged(db, table, fmt::format("row {}", row),
+                 fmt::format("the value in column '{}' is not from {} to {}", range.column,
+                             range.low, range.high));
+  }
 }
 
 // Requires that the rows of `table` with equal `keys` are numbered from 0 without a gap.
@@ -132,6 +202,13 @@ void CheckTables(const Database& db) {
   ForEachTrialTable([&]<typename Row>(const char* table) {
     if (!std::is_same_v<Row, TrialRow>) RequireTrials(db, table);
   });
+  RequireRanges(db, "trials", kTrialRanges);
+  RequireRanges(db, "attempts", kAttemptRanges);
+  RequireRanges(db, "rejections", kRejectionRanges);
+  RequireRanges(db, "bands", kBandRanges);
+  RequireNoRow(db, "trials",
+               "SELECT rowid FROM trials WHERE instances_graspable > instances_tested",
+               "more instances are graspable than were tested");
 }
 
 void CheckRows(const Database& db) {

@@ -11,7 +11,8 @@ namespace pickbed::eval {
 inline constexpr int kMaxStoredTrials = 1000000000;  // of a store; trials have 32-bit numbers
 
 // Checks the pages of the file (up to 64 MB), its tables and columns, its configurations and
-// trials, and that the first and last trial of each table exist. `db` has the present schema.
+// trials, ranges of counts and errors, and that the first and last trial of each table exist.
+// `db` has the present schema.
 // Throws InputError that names the file, the table and the row.
 void CheckTables(const Database& db);
 
