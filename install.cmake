@@ -16,7 +16,7 @@ install(DIRECTORY scenes sim perception grasp DESTINATION ${headers_folder}
   FILES_MATCHING PATTERN "*.h"
   PATTERN scenes/presets EXCLUDE
   REGEX "scenes/base/(ids_format|yaml)\\.h$" EXCLUDE
-  REGEX "sim/physics/(body_shapes|contact_reuse|pad_geometry|patch_friction|warm_contact)\\.h$" EXCLUDE
+  REGEX "sim/physics/(body_shapes|contact_islands|contact_reuse|pad_geometry|patch_friction|row_solver|warm_contact|warm_joints)\\.h$" EXCLUDE
   REGEX "sim/render/gl_(drawer|functions|objects|programs|readback|targets)\\.h$" EXCLUDE
   REGEX "sim/render/(shadow_map|software_raster)\\.h$" EXCLUDE
   REGEX "perception/networks/(eigen_tensors|fixed_(convolution|layers|sums)|torch_runtime|training_tensors|trunk|wohlhart_layers)\\.h$" EXCLUDE
