@@ -12,9 +12,8 @@
 namespace pickbed::tests {
 namespace {
 
-// A closed jaw beside a sleeping row of cubes that touch each other. `gap_m` is the distance of a
-// finger to the first cube. The hand is turned by 45 degrees, so that the box of a finger overlaps
-// the box of the cube before it touches it.
+// A closed jaw beside a sleeping row of cubes that touch each other. The hand is turned by 45
+// degrees, so that the box of a finger overlaps the box of the first cube before it touches it.
 struct SleepingRow {
   static constexpr int kCubes = 4;
   std::shared_ptr<const ObjectModel> cube = BoxObject({0.04, 0.04, 0.04}, 0.1, 0.2);

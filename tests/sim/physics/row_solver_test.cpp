@@ -1,8 +1,10 @@
 #include "sim/physics/row_solver.h"
 
+#include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
 
 #include "scenes/base/random.h"
+#include "sim/physics/warm_joints.h"
 #include "tests/support/layer.h"
 
 namespace pickbed::tests {
@@ -72,6 +74,22 @@ TEST(RowSolver, JointsAndFrictionAreSolvedAsByBullet) {
 TEST(RowSolver, ContactsAreSolvedAsByBullet) {
   btSequentialImpulseConstraintSolver solver;
   ExpectSameAsBullet(SolveContactRow, solver.getScalarConstraintRowSolverLowerLimit());
+}
+
+// Bullet sets its own functions at the first step of a world.
+TEST(RowSolver, WorldUsesTheseFunctions) {
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher(&configuration);
+  btDbvtBroadphase broadphase;
+  WarmJointSolver solver;
+  btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+  btSphereShape sphere(1);
+  btRigidBody body(1, nullptr, &sphere, {1, 1, 1});
+  world.addRigidBody(&body);
+  world.stepSimulation(0.01, 0);
+  EXPECT_EQ(solver.getActiveConstraintRowSolverGeneric(), &SolveLimitedRow);
+  EXPECT_EQ(solver.getActiveConstraintRowSolverLowerLimit(), &SolveContactRow);
+  world.removeRigidBody(&body);
 }
 
 }  // namespace
