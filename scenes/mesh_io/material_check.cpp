@@ -51,6 +51,15 @@ const std::vector<std::string>& OtherStatements() {
   return kStatements;
 }
 
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
+// Whether the word ends with the extension of an image.
+bool IsImageName(std::string_view word) {
+  static const std::set<std::string> kImages{".png",  ".jpg", ".jpeg", ".bmp", ".tga", ".tif",
+                                             ".tiff", ".gif", ".dds",  ".exr", ".hdr", ".webp"};
+  return kImages.contains(LowerExtension(std::string(word)));
+}
+
 std::string Shown(std::string_view word) { return "'" + OneLine(std::string(word)) + "'"; }
 
 std::string FaultOfNumbers(const Words& words, const Numbers& form) {
@@ -78,11 +87,15 @@ std::string FaultOf(const Words& words) {
   if (std::find(others.begin(), others.end(), kind) != others.end()) {
     return words.size() > 1 ? "" : fmt::format("has nothing after {}", kind);
   }
-  // Words of one or two letters are not misspelled ones of other programs.
+  // Statements of other programs have three letters or more and no digits. If they name a texture,
+  // they begin with map_.
   std::vector<std::string> all = others;
   for (const auto& [name, form] : NumberStatements()) all.emplace_back(name);
   const std::string near = NearestName(kind, all);
-  if (kind.size() > 2 && near.empty()) return "";
+  const bool names_texture = words.size() > 1 && IsImageName(words.back());
+  const bool is_of_others = kind.size() > 2 && std::none_of(kind.begin(), kind.end(), IsDigit) &&
+                            (!names_texture || kind.starts_with("map_"));
+  if (is_of_others && near.empty()) return "";
   return fmt::format("begins with the unknown word {}{}", Shown(kind),
                      near.empty() ? "" : "; did you mean " + near + "?");
 }
@@ -120,11 +133,9 @@ bool IsCutIn(const std::string& line, const std::filesystem::path& material) {
   if (words.empty()) return false;
   if (words.front() == "newmtl") return true;
   if (!words.front().starts_with("map_")) return false;
-  static const std::set<std::string> kImages{".png",  ".jpg", ".jpeg", ".bmp", ".tga", ".tif",
-                                             ".tiff", ".gif", ".dds",  ".exr", ".hdr", ".webp"};
   const std::filesystem::path texture = std::string(words.back());
   std::error_code error;
-  return !kImages.contains(LowerExtension(texture)) &&
+  return !IsImageName(words.back()) &&
          !std::filesystem::exists(material.parent_path() / texture.filename(), error);
 }
 
