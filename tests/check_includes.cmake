@@ -33,7 +33,7 @@ set(third_party
   "lz4=>^perception/[a-z_]+/[a-z_]+\\.cpp$"
   "pugixml=>^scenes/mesh_io/xml_elements\\.cpp$"
   "assimp/=>^scenes/mesh_io/(mesh_import|scene_export)\\.cpp$"
-  "jpeglib=>^scenes/image/image_check\\.cpp$"
+  "jpeglib|zlib=>^scenes/image/image_check\\.cpp$"
   "opencv2/=>^(scenes/image/(image_io|number_image)\\.cpp|eval/draw/[a-z_]+\\.(cpp|h)|perception/cloud/color_edges\\.cpp|perception/estimators/ppf_matcher\\.cpp|perception/crop_methods/(hog|linemod)\\.cpp)$"
   "yaml-cpp/=>^scenes/base/(settings(_tree|_names)?\\.cpp|yaml\\.(h|cpp))$"
   "sqlite3=>^eval/store/[a-z_]+\\.(cpp|h)$"

@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 #include <jerror.h>
 #include <jpeglib.h>
+#include <zlib.h>
 
+#include <array>
 #include <boost/crc.hpp>
 #include <csetjmp>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <optional>
+#include <vector>
 
 #include "scenes/base/message_text.h"
 
@@ -25,9 +29,81 @@ uint32_t BigEndian32(std::string_view bytes) {
   return number;
 }
 
+// What a decoder needs of a PNG: size and form of the pixels, and the chunks of the data.
+struct PngChunks {
+  std::string_view header;
+  std::vector<std::string_view> data;
+};
+
+// Returns the bytes of `width` x `height` pixels: each row begins with a byte for its filter.
+uint64_t BytesOfRows(uint64_t width, uint64_t height, uint64_t bits) {
+  return width == 0 ? 0 : height * (1 + (width * bits + 7) / 8);
+}
+
+// Returns the bytes of the pixels before compression (PNG, third edition, sections 7 and 8); 0 if
+// the header has no valid form.
+uint64_t PngDataBytes(std::string_view header) {
+  constexpr size_t kHeader = 13;
+  constexpr std::array<uint64_t, 7> kChannels{1, 0, 3, 1, 2, 0, 4};  // of the colour types
+  if (header.size() != kHeader) return 0;
+  const auto byte = [&](size_t i) { return static_cast<unsigned char>(header[i]); };
+  const uint64_t width = BigEndian32(header), height = BigEndian32(header.substr(4));
+  if (byte(9) >= kChannels.size()) return 0;
+  const uint64_t bits = byte(8) * kChannels[byte(9)];
+  if (byte(12) == 0) return BytesOfRows(width, height, bits);
+  // Seven interlaced passes (Adam7): first column and row, and steps between them.
+  constexpr uint64_t kPasses[7][4] = {{0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4},
+                                      {0, 2, 2, 4}, {1, 0, 2, 2}, {0, 1, 1, 2}};
+  uint64_t bytes = 0;
+  for (const auto& [x, y, step_x, step_y] : kPasses) {
+    const uint64_t columns = width > x ? (width - x + step_x - 1) / step_x : 0;
+    const uint64_t rows = height > y ? (height - y + step_y - 1) / step_y : 0;
+    bytes += BytesOfRows(columns, rows, bits);
+  }
+  return bytes;
+}
+
+// Returns the number of bytes of the decompressed chunks, and stops above `limit`. nullopt if they
+// are damaged.
+std::optional<uint64_t> DecompressedBytes(const std::vector<std::string_view>& chunks,
+                                          uint64_t limit) {
+  std::vector<unsigned char> buffer(1 << 16);
+  z_stream stream{};
+  if (inflateInit(&stream) != Z_OK) return std::nullopt;
+  uint64_t bytes = 0;
+  int state = Z_OK;
+  for (const std::string_view chunk : chunks) {
+    stream.next_in = reinterpret_cast<unsigned char*>(const_cast<char*>(chunk.data()));
+    stream.avail_in = static_cast<unsigned>(chunk.size());
+    do {
+      stream.next_out = buffer.data();
+      stream.avail_out = static_cast<unsigned>(buffer.size());
+      state = inflate(&stream, Z_NO_FLUSH);
+      bytes += buffer.size() - stream.avail_out;
+    } while (state == Z_OK && stream.avail_out == 0 && bytes <= limit);
+    if ((state != Z_OK && state != Z_BUF_ERROR) || bytes > limit) break;
+  }
+  inflateEnd(&stream);
+  if (state != Z_STREAM_END && bytes <= limit) return std::nullopt;
+  return bytes;
+}
+
+// The fault of data that does not fit the header. Decoders leave out rows, or add them.
+std::string FaultOfPngData(const PngChunks& chunks) {
+  const uint64_t expected = PngDataBytes(chunks.header);
+  if (expected == 0) return "the PNG has a damaged header";
+  const std::optional<uint64_t> bytes = DecompressedBytes(chunks.data, expected);
+  if (!bytes) return "the PNG has damaged or missing data";
+  if (*bytes == expected) return "";
+  return fmt::format("the PNG has {} data than the {} x {} pixels of its header",
+                     *bytes < expected ? "less" : "more", BigEndian32(chunks.header),
+                     BigEndian32(chunks.header.substr(4)));
+}
+
 std::string FaultOfPng(std::string_view bytes) {
   constexpr size_t kFrame = 12;  // bytes of a chunk without its content: size, name, check sum
   if (!bytes.starts_with(kPngHead)) return "the PNG has a damaged head";
+  PngChunks chunks;
   for (std::string_view rest = bytes.substr(kPngHead.size());;) {
     if (rest.size() < kFrame) return "the PNG is cut short";
     const uint32_t size = BigEndian32(rest);
@@ -38,9 +114,12 @@ std::string FaultOfPng(std::string_view bytes) {
       return fmt::format("the PNG is damaged: the check sum of its chunk '{}' is wrong",
                          OneLine(std::string(name)));
     }
+    if (name == "IHDR" && chunks.header.empty()) chunks.header = checked.substr(4);
+    if (name == "IDAT") chunks.data.push_back(checked.substr(4));
     rest.remove_prefix(kFrame + size);
     if (name != "IEND") continue;
-    return rest.empty() ? "" : fmt::format("the PNG has {} bytes after its end", rest.size());
+    if (rest.empty()) return FaultOfPngData(chunks);
+    return fmt::format("the PNG has {} bytes after its end", rest.size());
   }
 }
 

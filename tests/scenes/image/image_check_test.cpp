@@ -69,6 +69,38 @@ TEST(FaultOfImage, PartsAndBytesThatDecodersSkipAreChecked) {
   EXPECT_THAT(FaultOfImage(EncodePng(Noise(), 3) + "abc"), HasSubstr("3 bytes after its end"));
 }
 
+// Returns the PNG with another height and the right check sum of its header.
+std::string WithHeight(std::string png, char height) {
+  constexpr size_t kHeader = 12, kHeaderBytes = 17, kHeight = 23;
+  png[kHeight] = height;
+  const uint32_t sum = PngCheckSum(std::string_view(png).substr(kHeader, kHeaderBytes));
+  for (size_t i = 0; i < 4; ++i) {
+    png[kHeader + kHeaderBytes + i] = static_cast<char>(sum >> (24 - 8 * i));
+  }
+  return png;
+}
+
+TEST(FaultOfImage, DataOfAPngThatDoesNotFitItsHeaderIsNoticed) {
+  const std::string png = EncodePng(Image<uint16_t>(5, 4), 3);
+  EXPECT_EQ(FaultOfImage(WithHeight(png, 4)), "");
+  EXPECT_THAT(FaultOfImage(WithHeight(png, 3)), HasSubstr("more data than the 5 x 3 pixels"));
+  EXPECT_THAT(FaultOfImage(WithHeight(png, 5)), HasSubstr("less data than the 5 x 5 pixels"));
+  EXPECT_THAT(FaultOfImage(WithHeight(png, 0)), HasSubstr("damaged header"));
+}
+
+// 5 x 3 pixels of 4 bits in seven interlaced passes.
+TEST(FaultOfImage, InterlacedPngsAreChecked) {
+  const std::string png(
+      "\211PNG\015\012\032\012\000\000\000\015IHDR"
+      "\000\000\000\005\000\000\000\003\004\000\000\000\001\314\252G\263"
+      "\000\000\000\025IDATx\332c\340"
+      "b\000A99\006\021 422\002\000\006\013\001\031"
+      "\134d.\327\000\000\000\000IEND\256B`\202",
+      78);
+  EXPECT_EQ(FaultOfImage(png), "");
+  EXPECT_THAT(FaultOfImage(WithHeight(png, 2)), HasSubstr("more data"));
+}
+
 TEST(FaultOfImage, EveryCutOfAJpegIsNoticed) {
   const std::string jpeg = EncodeJpeg(Noise(), 90);
   for (size_t size = 2; size + 1 < jpeg.size(); size += 7) {
