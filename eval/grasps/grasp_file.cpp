@@ -14,6 +14,7 @@
 #include "grasp/grippers/requirements.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 #include "scenes/geometry/triangle_mesh.h"
 #include "scenes/mesh_io/mesh_io.h"
 
@@ -27,6 +28,11 @@ std::vector<std::string> Cells(std::string line) {
   for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
   if (line.ends_with(',')) cells.emplace_back();
   return cells;
+}
+
+void RequireUtf8(const std::string& line, const std::string& place) {
+  CheckInput(IsUtf8(line),
+             fmt::format("{}: '{}' is not UTF-8; save the file as UTF-8", place, OneLine(line)));
 }
 
 double NumberIn(const std::string& cell, const std::string& column, const std::string& place) {
@@ -44,6 +50,7 @@ GraspFile ReadGraspsCsv(const std::string& text, const std::string& name) {
   std::istringstream lines(text);
   std::string line;
   std::getline(lines, line);
+  RequireUtf8(line, name + ":1");
   std::map<std::string, size_t> columns;
   const std::vector<std::string> header = Cells(line);
   for (size_t i = 0; i < header.size(); ++i) columns[header[i]] = i;
@@ -52,6 +59,7 @@ GraspFile ReadGraspsCsv(const std::string& text, const std::string& name) {
   for (int number = 2; std::getline(lines, line); ++number) {
     if (line.empty() || line == "\r") continue;
     const std::string place = fmt::format("{}:{}", name, number);
+    RequireUtf8(line, place);
     const std::vector<std::string> cells = Cells(line);
     CheckInput(cells.size() == header.size(),
                fmt::format("{}: has {} columns, but the first line has {}", place, cells.size(),

@@ -218,6 +218,9 @@ void Statement::Read(int column, std::string& value) const {
   Require(!IsMissing(column), column, " is no text");
   const unsigned char* text = sqlite3_column_text(statement_, column);
   value = text == nullptr ? "" : reinterpret_cast<const char*>(text);
+  Require(value.size() == static_cast<size_t>(sqlite3_column_bytes(statement_, column)), column,
+          " continues after a zero byte");
+  Require(IsUtf8(value), column, " is not UTF-8");
 }
 
 bool Statement::IsMissing(int column) const {

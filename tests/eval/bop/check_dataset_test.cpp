@@ -208,6 +208,14 @@ TEST_F(BopCheck, WrongJsonValuesAreReported) {
               ::testing::Contains(HasSubstr("scene_gt.json: is no JSON")));
 }
 
+TEST_F(BopCheck, KeysThatAreNotUtf8AreReported) {
+  Copy();
+  const fs::path file = scene() / "scene_gt.json";
+  WriteFileAtomically(file, "{\"0\": [{\"obj_id\xa5\": 1}]}");
+  EXPECT_THAT(CheckDataset(root()).faults,
+              Contains(AllOf(HasSubstr(file.string()), HasSubstr("ill-formed UTF-8"))));
+}
+
 // Numbers that are finite, but that no camera or object has.
 TEST_F(BopCheck, AbsurdNumbersAreReportedByCheckAndRefusedByScore) {
   const struct {

@@ -166,6 +166,10 @@ TEST(GraspFile, DamagedCsvIsNamed) {
   damaged = whole;
   EXPECT_THAT(error_of(damaged.replace(first, damaged.find(',', first) - first, "0.123")),
               HasSubstr("r00 to r22 are no rotation"));
+  damaged = whole;
+  EXPECT_THAT(error_of(damaged.insert(first, 1, '\xa5')), HasSubstr("damaged.csv:2: "));
+  EXPECT_THAT(error_of(damaged), HasSubstr("is not UTF-8; save the file as UTF-8"));
+  EXPECT_THAT(error_of("\xa5" + whole), HasSubstr("damaged.csv:1: "));
   EXPECT_THAT(ErrorOf([&] { ReadGraspFile(folder.Write("grasps.txt", whole)); }),
               HasSubstr("ends in .yaml (isaac_grasp) or .csv"));
   EXPECT_THAT(ErrorOf([&] { ReadGraspFile(folder.path() / "none.csv"); }), HasSubstr("none.csv"));
