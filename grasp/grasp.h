@@ -54,6 +54,9 @@ struct Grasp {
   double score = 0;
   int hypothesis = 0;  // index into PlanInput::poses; kNoHypothesis = planned without poses
   std::string tool;    // name of the gripper
+  // Horizontal shift of the hand in W, in m, at the start of the lift, see
+  // grasp/place/hand_motion.h; zero = straight up.
+  Eigen::Vector2d lift_aside_m = Eigen::Vector2d::Zero();
 };
 
 // Outcome of an executed grasp: measured facts, and the verdict of each success rule.

@@ -64,6 +64,12 @@ void AddGrasp(py::module_& module) {
       .def_readonly("score", &Grasp::score)
       .def_readonly("hypothesis", &Grasp::hypothesis, Doc("Grasp::hypothesis"))
       .def_readonly("tool", &Grasp::tool, Doc("Grasp::tool"))
+      .def_property_readonly(
+          "lift_aside_m",
+          [](const Grasp& g) {
+            return std::array{g.lift_aside_m.x(), g.lift_aside_m.y()};
+          },
+          Doc("Grasp::lift_aside_m"))
       .def("__repr__", [](const Grasp& g) {
         const Eigen::Vector3d& p = g.X_WG.translation();
         return fmt::format("<Grasp at [{:.4f}, {:.4f}, {:.4f}] m, width {:.4f} m, score {:.3f}>",

@@ -83,6 +83,8 @@ struct AttemptRow {
     v("grasp_width_m", grasp.width_m);
     v("grasp_score", grasp.score);
     v("grasp_tool", grasp.tool);
+    v("grasp_lift_aside_x_m", grasp.lift_aside_m.x());
+    v("grasp_lift_aside_y_m", grasp.lift_aside_m.y());
     v("success", outcome.success);
     v("physical_failure", outcome.failure);
     v("picked_instance", outcome.picked_instance);

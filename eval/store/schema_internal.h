@@ -12,8 +12,8 @@
 
 namespace pickbed::eval {
 
-// 11: number of rows of each trial
-inline constexpr int kSchemaVersion = 11;
+// 12: sideways shift of each lift
+inline constexpr int kSchemaVersion = 12;
 inline constexpr int kOldestSchemaVersion = 4;  // oldest version that can be migrated
 
 // Calls visit.template operator()<Row>("table") for each table whose rows belong to a trial.

@@ -96,6 +96,8 @@ constexpr Description kColumns[] = {
     {"attempts.grasp_width_m", "distance between the contacts"},
     {"attempts.grasp_score", "rank value of the grasp"},
     {"attempts.grasp_tool", "gripper of the executed grasp; empty in files of earlier versions"},
+    {"attempts.grasp_lift_aside_x_m", "shift of the hand at the start of the lift, x in the world"},
+    {"attempts.grasp_lift_aside_y_m", "shift of the hand at the start of the lift, y in the world"},
     {"attempts.success", "1 if the grasp succeeded by the rule of the scenario"},
     {"attempts.physical_failure", "failure reason of the executed grasp"},
     {"attempts.picked_instance", "instance in the hand at the end, -1 = none"},

@@ -327,7 +327,7 @@ bool LiveAttempt::IsChosen(const std::optional<Grasp>& grasp) const {
   if (!grasp) return true;
   return grasp->X_WG.matrix() == chosen_->X_WG.matrix() && grasp->width_m == chosen_->width_m &&
          grasp->score == chosen_->score && grasp->hypothesis == chosen_->hypothesis &&
-         grasp->tool == chosen_->tool;
+         grasp->tool == chosen_->tool && grasp->lift_aside_m == chosen_->lift_aside_m;
 }
 
 void LiveAttempt::RequireValid(const std::optional<Grasp>& grasp) const {

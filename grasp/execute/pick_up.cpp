@@ -24,6 +24,7 @@ PickUp::PickUp(const Scene& scene, const ObjectSet& objects, const Grasp& grasp,
       target_(target),
       options_(options),
       on_step_(on_step),
+      lift_aside_m_(grasp.lift_aside_m),
       X_WG_(grasp.X_WG),
       opening_m_(gripper.ApproachOpening_m(grasp.width_m).value_or(gripper.MaxOpening_m())),
       boxes_(gripper.Boxes(opening_m_)),
@@ -62,6 +63,10 @@ void PickUp::Step() {
 void PickUp::Advance(const Pose& X_WG) {
   hand_.MoveTo(X_WG);
   Step();
+}
+
+Pose PickUp::Raised(double height_m) const {
+  return Translation(LiftMotion(lift_aside_m_, height_m)) * X_WG_;
 }
 
 void PickUp::Move(const Pose& X_WG_to, double peak_mps) {

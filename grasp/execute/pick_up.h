@@ -57,7 +57,7 @@ class PickUp {
   Eigen::Vector3d Center(int position) const {
     return world_.Center(position, world_.physics().X_WO(position));
   }
-  Pose Raised(double height_m) const { return Translation({0, 0, height_m}) * X_WG_; }
+  Pose Raised(double height_m) const;
   bool IsUnderFloor() const;
   bool Approach();
   bool MoveUntilHeld(const Pose& X_WG_from, const Pose& X_WG_to, double distance_m);
@@ -76,7 +76,8 @@ class PickUp {
   const ExecuteOptions& options_;
   const MotionListener& on_step_;
   int steps_ = 0;  // reported to on_step_
-  Pose X_WG_;      // of the grasp, or where the approach of a hand that holds on contact ended
+  const Eigen::Vector2d lift_aside_m_;
+  Pose X_WG_;  // of the grasp, or where the approach of a hand that holds on contact ended
   const double opening_m_;
   const std::vector<AxisAlignedBox> boxes_;  // of the hand at opening_m_, in G
   AttemptWorld world_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "grasp/candidates/pad_contact.h"
+#include "grasp/place/hand_motion.h"
 #include "grasp/plan/clearance.h"
 
 namespace pickbed::grasp {
@@ -55,9 +56,10 @@ ImagePicks::Pick ImagePicks::MakePick(const Grasp& grasp, const EstimatedPose& p
   const double opening_m =
       gripper.ApproachOpening_m(grasp.width_m).value_or(gripper.MaxOpening_m());
   return {pose.X_WO * model.mass.com_O,
-          0.5 * model.diameter_m,
+          0.5 * model.diameter_m + grasp.lift_aside_m.norm(),
           pose.X_WO * PointsOf(pose.object),
           grasp.X_WG,
+          grasp.lift_aside_m,
           gripper.Boxes(opening_m),
           HandSweep(gripper, opening_m),
           gripper.clearance_m};
@@ -67,16 +69,20 @@ void ImagePicks::Add(const Grasp& grasp, const EstimatedPose& pose, const Grippe
   picks_.push_back(MakePick(grasp, pose, gripper));
 }
 
+bool ImagePicks::AreApart(const Pick& pick, const Eigen::Vector3d& center_W,
+                          double radius_m) const {
+  return (pick.center_W - center_W).head<2>().norm() >= pick.radius_m + radius_m + options_.apart_m;
+}
+
 bool ImagePicks::IsApart(const EstimatedPose& pose) const {
   const ObjectModel& model = *objects_.at(pose.object);
   const Eigen::Vector3d center_W = pose.X_WO * model.mass.com_O;
   return std::all_of(picks_.begin(), picks_.end(), [&](const Pick& pick) {
-    return (pick.center_W - center_W).head<2>().norm() >=
-           pick.radius_m + 0.5 * model.diameter_m + options_.apart_m;
+    return AreApart(pick, center_W, 0.5 * model.diameter_m);
   });
 }
 
-// A lift of the hand by h passes a point if the hand at rest contains the point moved down by h.
+// A lifted hand passes a point if the hand at rest contains the point moved back by the lift.
 bool ImagePicks::HandKeepsOff(const Pick& pick, const Eigen::Matrix3Xd& points_W) const {
   const double lowest_m = LowestCorner_m(pick.hand_G, pick.X_WG) - pick.clearance_m;
   const Pose X_GW = pick.X_WG.inverse();
@@ -87,10 +93,10 @@ bool ImagePicks::HandKeepsOff(const Pick& pick, const Eigen::Matrix3Xd& points_W
     });
   };
   for (int i = 0; i < points_W.cols(); ++i) {
-    Eigen::Vector3d p_W = points_W.col(i);
+    const Eigen::Vector3d p_W = points_W.col(i);
     if (meets(pick.sweep_G, p_W)) return false;
-    for (; p_W.z() >= lowest_m; p_W.z() -= options_.lift_step_m) {
-      if (meets(pick.hand_G, p_W)) return false;
+    for (double rise_m = 0; p_W.z() - rise_m >= lowest_m; rise_m += options_.lift_step_m) {
+      if (meets(pick.hand_G, p_W - LiftMotion(pick.lift_aside_m, rise_m))) return false;
     }
   }
   return true;
@@ -98,10 +104,10 @@ bool ImagePicks::HandKeepsOff(const Pick& pick, const Eigen::Matrix3Xd& points_W
 
 bool ImagePicks::IsIndependent(const Grasp& grasp, const EstimatedPose& pose,
                                const Gripper& gripper) const {
-  if (!IsApart(pose)) return false;
   const Pick pick = MakePick(grasp, pose, gripper);
   return std::all_of(picks_.begin(), picks_.end(), [&](const Pick& earlier) {
-    return HandKeepsOff(earlier, pick.points_W) && HandKeepsOff(pick, earlier.points_W);
+    return AreApart(earlier, pick.center_W, pick.radius_m) &&
+           HandKeepsOff(earlier, pick.points_W) && HandKeepsOff(pick, earlier.points_W);
   });
 }
 

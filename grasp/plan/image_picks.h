@@ -5,10 +5,10 @@
 // A pick moves its object, may move what is near it, and sweeps the hand through the bin. Two picks
 // are independent if both of these hold:
 // 1. Seen from above, the centers of mass of their objects are at least half of each diameter plus
-//    `apart_m` apart. So each object is outside the column through which the other object is
-//    lifted. A pick moves few instances that are further away.
+//    `apart_m` plus the sideways shifts of both lifts apart. So each object is outside the space
+//    through which the other object is lifted. A pick moves few instances that are further away.
 // 2. Each hand keeps its clearance from the surface of the other object: on its approach, when it
-//    closes, and while it is lifted straight up.
+//    closes, and while it is lifted.
 
 #include <span>
 #include <vector>
@@ -44,9 +44,10 @@ class ImagePicks {
  private:
   struct Pick {
     Eigen::Vector3d center_W;   // center of mass
-    double radius_m;            // half of the diameter
+    double radius_m;            // half of the diameter, and the shift of the lift
     Eigen::Matrix3Xd points_W;  // on the surface
     Pose X_WG;
+    Eigen::Vector2d lift_aside_m;
     std::vector<AxisAlignedBox> hand_G;   // the open hand
     std::vector<AxisAlignedBox> sweep_G;  // its approach
     double clearance_m;
@@ -54,6 +55,7 @@ class ImagePicks {
 
   const Eigen::Matrix3Xd& PointsOf(ObjectId object) const;
   Pick MakePick(const Grasp& grasp, const EstimatedPose& pose, const Gripper& gripper) const;
+  bool AreApart(const Pick& pick, const Eigen::Vector3d& center_W, double radius_m) const;
   bool HandKeepsOff(const Pick& pick, const Eigen::Matrix3Xd& points_W) const;
 
   const ObjectSet& objects_;

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "grasp/plan/clearance.h"
+#include "grasp/plan/lift_aside.h"
 #include "grasp/plan/object_shape.h"
 #include "grasp/plan/stacking.h"
 #include "scenes/base/error.h"
@@ -111,6 +112,7 @@ class CandidateCheck {
       best.pop_back();
       ++rejected_[kOutranked];
     }
+    for (Grasp& grasp : best) grasp.lift_aside_m = LiftAside(grasp);
     rejected_[kNotTried] = static_cast<int>(pending_.size());
     for (int cause = 0; cause < kCauses; ++cause) {
       if (rejected_[cause] > 0) result.rejected[kCauseNames[cause]] = rejected_[cause];
@@ -226,12 +228,34 @@ class CandidateCheck {
     const double range = highest_ - lowest_;
     const double depth = range > 0 ? (highest_ - centers_W_[target].z()) / range : 0;
     const std::vector<int> above = stack_.Above(target);
-    const auto carried = std::count_if(above.begin(), above.end(), [&](int other) {
-      return !rivals[other] && input_.poses[other].confidence >= options_.neighbor_confidence;
-    });
+    const std::vector<bool> others = Others(rivals);
+    const auto carried =
+        std::count_if(above.begin(), above.end(), [&](int other) { return others[other]; });
     return pose.confidence * (1 - options_.cover_share * covered) *
            (1 - options_.height_share * depth) *
            std::pow(1 - options_.stacking_share, static_cast<double>(carried));
+  }
+
+  // Poses that count as other instances than the target.
+  std::vector<bool> Others(const std::vector<bool>& rivals) const {
+    std::vector<bool> others(rivals.size());
+    for (size_t i = 0; i < others.size(); ++i) {
+      others[i] = !rivals[i] && input_.poses[i].confidence >= options_.neighbor_confidence;
+    }
+    return others;
+  }
+
+  Eigen::Vector2d LiftAside(const Grasp& grasp) const {
+    const int target = grasp.hypothesis;
+    const EstimatedPose& pose = input_.poses[target];
+    const ObjectShape& shape = *shapes_[pose.object];
+    const auto cover = stack_.CenterOfCover(target, Others(Rivals(target)));
+    if (!cover) return Eigen::Vector2d::Zero();
+    const auto boxes = input_.gripper.Boxes(
+        input_.gripper.ApproachOpening_m(grasp.width_m).value_or(input_.gripper.MaxOpening_m()));
+    const double length_m = options_.lift_aside_diameters * input_.objects[pose.object]->diameter_m;
+    const Eigen::Vector2d wanted_m = AwayFrom(*cover, centers_W_[target].head<2>(), length_m);
+    return ShiftInBin(wanted_m, input_.bin, pose.X_WO * shape.points_O, boxes, grasp.X_WG);
   }
 
   // Fills ignored_ and pose_scores_ of a pose.

@@ -123,6 +123,9 @@ struct PlanOptions {
   // bins, objects with 0, 1 and 2 others above slipped in 0.6, 4.5 and 12 % of 2553 picks.
   double stacking_share = 0.4;
   double stacking_cell_m = 0.005;  // cell size of the floor plan that shows which pose is above
+  // A target under others is pulled out sideways, away from them: shift of the hand at the start of
+  // the lift, in diameters of the target. 0 = always straight up.
+  double lift_aside_diameters = 0.3;
 
   // Sampling density of estimated poses and the cloud; finer is slower.
   double column_m = 0.010;  // cell size of the floor-plan grid of the points

@@ -73,6 +73,8 @@ void PlanOptions::Visit(SettingsVisitor& v) {
          "share of the score that is lost for each instance above the target");
   v.Real("stacking_cell_m", stacking_cell_m, {0.001, 0.1},
          "cell size of the floor plan in which instances above are found, m");
+  v.Real("lift_aside_diameters", lift_aside_diameters, {0, 1},
+         "shift of the lift away from instances above the target, diameters; 0 = straight up");
   v.Real("aside_share", aside_share, share,
          "share of the score that is lost if the hand is shifted away from a wall");
   v.RenamedKey("set_down_share", "place_share");

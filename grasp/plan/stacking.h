@@ -1,9 +1,10 @@
 #pragma once
 
-// Which instances rest on which, by their poses. An instance under others is wedged and
+// Which instances rest on which, and where, by their poses. An instance under others is wedged and
 // carries their weight, so it slips out of the hand more often.
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "grasp/layer.h"
@@ -21,22 +22,30 @@ class InstanceStack {
   void Add(const Eigen::Matrix3Xd& surface_W);
   // Returns the indices of the instances above this one, in ascending order.
   std::vector<int> Above(int instance) const;
+  // Returns the mean position (x, y) in W of the cells in which other instances lie on this one:
+  // their lowest points there are close to its top. Only instances with a true element in `counts`
+  // count. None if these cells are fewer than three.
+  std::optional<Eigen::Vector2d> CenterOfCover(int instance, const std::vector<bool>& counts) const;
 
  private:
-  // The cells around one instance, with the height of its top in each.
-  struct TopMap {
+  // The cells around one instance, with the heights of its highest and lowest point in each.
+  struct HeightMap {
     Eigen::Array2i first = Eigen::Array2i::Zero();  // the cell with the smallest indices
     Eigen::Array2i size = Eigen::Array2i::Zero();
-    std::vector<double> top_m;  // by row, then column; minus infinity outside the instance
+    std::vector<double> top_m;     // by row, then column; minus infinity outside the instance
+    std::vector<double> bottom_m;  // plus infinity outside the instance
 
-    double Top_m(int x, int y) const {
-      return top_m[static_cast<size_t>(y - first.y()) * size.x() + (x - first.x())];
+    size_t Index(int x, int y) const {
+      return static_cast<size_t>(y - first.y()) * size.x() + (x - first.x());
     }
   };
-  static int CellsHigher(const TopMap& a, const TopMap& b);
+  // Calls visit(x, y) for each cell of both maps' rectangles.
+  template <typename Visit>
+  static void ForEachCommonCell(const HeightMap& a, const HeightMap& b, const Visit& visit);
+  static int CellsHigher(const HeightMap& a, const HeightMap& b);
 
   double cell_m_;
-  std::vector<TopMap> maps_;
+  std::vector<HeightMap> maps_;
 };
 
 }  // namespace pickbed::grasp

@@ -55,7 +55,11 @@ PlanResult PosePlanner::PlanInBin(const PlannerInput& input, std::vector<Eigen::
   }
   PlanResult plan = PlanWithTools(inputs, options);
   if (!moved) return plan;
-  for (Grasp& grasp : plan.grasps) grasp.X_WG = X_WB * grasp.X_WG;
+  const Eigen::Matrix2d R_WB = X_WB.linear().topLeftCorner<2, 2>();
+  for (Grasp& grasp : plan.grasps) {
+    grasp.X_WG = X_WB * grasp.X_WG;
+    grasp.lift_aside_m = R_WB * grasp.lift_aside_m;
+  }
   return plan;
 }
 

@@ -53,6 +53,20 @@ TEST_F(ImagePick, DistanceIsTheOneBeyondWhichAnExecutionMovesNothing) {
   EXPECT_EQ(ImagePicksOptions().apart_m, AttemptWorldOptions().near_m);
 }
 
+// A lift that moves aside needs this much more distance, on either side of a pair.
+TEST_F(ImagePick, SidewaysShiftOfALiftAddsToTheDistance) {
+  const double limit_m = objects_[0]->diameter_m + ImagePicksOptions().apart_m;
+  const EstimatedPose a = At(0, 0), b = At(0, limit_m + 0.02);
+  Grasp shifted = GraspOf(a);
+  shifted.lift_aside_m = {0, 0.03};
+  ImagePicks picks(objects_), reversed(objects_);
+  picks.Add(shifted, a, gripper_);
+  EXPECT_FALSE(picks.IsIndependent(GraspOf(b), b, gripper_));
+  reversed.Add(GraspOf(b), b, gripper_);
+  EXPECT_FALSE(reversed.IsIndependent(shifted, a, gripper_));
+  EXPECT_TRUE(AreIndependent(a, b)) << "straight up";
+}
+
 // The open fingers reach 50 mm beside the center. Without a minimum distance only the hand counts.
 TEST_F(ImagePick, HandMustKeepOffTheOtherObject) {
   ImagePicksOptions options;

@@ -52,6 +52,19 @@ TEST(InstanceStack, CrossedInstancesAreDecidedByTheLargerPart) {
   EXPECT_THAT(InstancesAbove(plates, 0.005), ElementsAre(ElementsAre(1), IsEmpty()));
 }
 
+TEST(InstanceStack, CenterOfCoverIsWhereOthersLieOnTheInstance) {
+  InstanceStack stack(0.005);
+  stack.Add(Plate(0, 0, 0));
+  stack.Add(Plate(0.08, 0, 0.01));   // lies on the last 2 cm of the first one
+  stack.Add(Plate(-0.05, 0, 0.05));  // 5 cm above it
+  const auto center = stack.CenterOfCover(0, {true, true, true});
+  ASSERT_TRUE(center.has_value());
+  EXPECT_NEAR(center->x(), 0.09, 0.003);
+  EXPECT_NEAR(center->y(), 0.05, 0.003);
+  EXPECT_FALSE(stack.CenterOfCover(0, {true, false, true}).has_value()) << "it does not count";
+  EXPECT_FALSE(stack.CenterOfCover(2, {true, true, true}).has_value()) << "nothing is on it";
+}
+
 TEST(InstanceStack, NothingIsAboveWithoutPoses) {
   EXPECT_THAT(InstancesAbove({}, 0.005), IsEmpty());
   EXPECT_THAT(InstancesAbove(std::vector<Eigen::Matrix3Xd>{Eigen::Matrix3Xd(3, 0)}, 0.005),

@@ -1,0 +1,32 @@
+#pragma once
+
+// Sideways shift of a lift, which pulls a target out from under other instances.
+//
+// Lifted straight up, a target that others lie on is wedged by them or carries them, and slips out
+// of the hand. Pulled away from them at the start of the lift, it comes free more often. In deep
+// bins of bottles, rods and gears, with true poses and others on the target, 62 picks held and 11
+// slipped. Repeated with a lift of 20 degrees from the vertical, 4 of these 11 held, and none of
+// the others slipped. With 35 degrees, 5 of 11 held, and 2 of the others slipped.
+
+#include <Eigen/Core>
+#include <span>
+
+#include "grasp/layer.h"
+#include "scenes/bin/bin.h"
+#include "scenes/geometry/pose.h"
+
+namespace pickbed::grasp {
+
+// Returns a shift (x, y) of this length away from `cover`, the center of what lies on the target.
+// Zero if it lies so close to the target's center of mass that no direction is better.
+Eigen::Vector2d AwayFrom(const Eigen::Vector2d& cover, const Eigen::Vector2d& center_of_mass,
+                         double length_m);
+
+// Returns the part of the shift (x, y) in the frame of the bin that keeps target and hand 1 cm away
+// from the walls. `target_B` are points of the target, one per column. `boxes_G` are the hand's
+// boxes at X_BG. Boxes above the rim meet no wall.
+Eigen::Vector2d ShiftInBin(const Eigen::Vector2d& shift_m, const Bin& bin,
+                           const Eigen::Matrix3Xd& target_B,
+                           std::span<const AxisAlignedBox> boxes_G, const Pose& X_BG);
+
+}  // namespace pickbed::grasp
