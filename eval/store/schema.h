@@ -5,6 +5,7 @@
 #include <string>
 
 #include "eval/store/error_columns.h"
+#include "eval/store/grasp_columns.h"
 #include "eval/store/results_store.h"
 
 namespace pickbed::eval {
@@ -78,13 +79,7 @@ struct AttemptRow {
     v("matched_instance", record.matched_instance);
     v("target", record.target);
     v("band", record.band);
-    v("grasp_hypothesis", grasp.hypothesis);
-    v("grasp_x_wg", grasp.X_WG);
-    v("grasp_width_m", grasp.width_m);
-    v("grasp_score", grasp.score);
-    v("grasp_tool", grasp.tool);
-    v("grasp_lift_aside_x_m", grasp.lift_aside_m.x());
-    v("grasp_lift_aside_y_m", grasp.lift_aside_m.y());
+    VisitGrasp(v, grasp);
     v("success", outcome.success);
     v("physical_failure", outcome.failure);
     v("picked_instance", outcome.picked_instance);

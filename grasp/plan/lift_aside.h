@@ -2,9 +2,9 @@
 
 // Sideways shift of a lift, which pulls a target out from under other instances.
 //
-// Lifted straight up, a target that others lie on is wedged by them or carries them, and slips out
+// Lifted straight up, a target under others is wedged by them or carries them, and slips out
 // of the hand. Pulled away from them at the start of the lift, it comes free more often. In deep
-// bins of bottles, rods and gears, with true poses and others on the target, 62 picks held and 11
+// bins of bottles, rods and gears, with true poses and others on top, 62 picks held and 11
 // slipped. Repeated with a lift of 20 degrees from the vertical, 4 of these 11 held, and none of
 // the others slipped. With 35 degrees, 5 of 11 held, and 2 of the others slipped.
 
@@ -17,8 +17,8 @@
 
 namespace pickbed::grasp {
 
-// Returns a shift (x, y) of this length away from `cover`, the center of what lies on the target.
-// Zero if it lies so close to the target's center of mass that no direction is better.
+// Returns a shift (x, y) of this length away from `cover`, the center of what rests on the target.
+// Zero if it is so close to the target's center of mass that no direction is better.
 Eigen::Vector2d AwayFrom(const Eigen::Vector2d& cover, const Eigen::Vector2d& center_of_mass,
                          double length_m);
 

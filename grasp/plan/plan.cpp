@@ -11,6 +11,7 @@
 #include "grasp/plan/clearance.h"
 #include "grasp/plan/lift_aside.h"
 #include "grasp/plan/object_shape.h"
+#include "grasp/plan/rejection_cause.h"
 #include "grasp/plan/stacking.h"
 #include "scenes/base/error.h"
 
@@ -20,29 +21,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kTouching_m = 1e-6;  // margin, so that rounding gives no overlap
-
-enum Cause {
-  kTilt,
-  kQuality,
-  kOpening,
-  kBinFloor,
-  kBinWall,
-  kFingers,
-  kPalm,
-  kOutranked,
-  kNotTried,
-  kCauses,
-  kFree = kCauses
-};
-constexpr const char* kCauseNames[kCauses] = {"tilt",
-                                              "quality",
-                                              "opening",
-                                              "bin floor",
-                                              "bin wall",
-                                              "fingers meet an instance",
-                                              "palm meets an instance",
-                                              "outranked",
-                                              "not tried"};
 
 // Plans on one input. Shapes, obstacle points and flags are shared by all runs.
 class CandidateCheck {
@@ -115,7 +93,7 @@ class CandidateCheck {
     for (Grasp& grasp : best) grasp.lift_aside_m = LiftAside(grasp);
     rejected_[kNotTried] = static_cast<int>(pending_.size());
     for (int cause = 0; cause < kCauses; ++cause) {
-      if (rejected_[cause] > 0) result.rejected[kCauseNames[cause]] = rejected_[cause];
+      if (rejected_[cause] > 0) result.rejected[CauseName(cause)] = rejected_[cause];
     }
     return result;
   }
@@ -248,14 +226,14 @@ class CandidateCheck {
   Eigen::Vector2d LiftAside(const Grasp& grasp) const {
     const int target = grasp.hypothesis;
     const EstimatedPose& pose = input_.poses[target];
-    const ObjectShape& shape = *shapes_[pose.object];
     const auto cover = stack_.CenterOfCover(target, Others(Rivals(target)));
     if (!cover) return Eigen::Vector2d::Zero();
-    const auto boxes = input_.gripper.Boxes(
-        input_.gripper.ApproachOpening_m(grasp.width_m).value_or(input_.gripper.MaxOpening_m()));
-    const double length_m = options_.lift_aside_diameters * input_.objects[pose.object]->diameter_m;
-    const Eigen::Vector2d wanted_m = AwayFrom(*cover, centers_W_[target].head<2>(), length_m);
-    return ShiftInBin(wanted_m, input_.bin, pose.X_WO * shape.points_O, boxes, grasp.X_WG);
+    const double share = options_.lift_aside_diameters;
+    const Eigen::Vector2d wanted_m = AwayFrom(*cover, centers_W_[target].head<2>(),
+                                              share * input_.objects[pose.object]->diameter_m);
+    const auto opening_m = input_.gripper.ApproachOpening_m(grasp.width_m);
+    return ShiftInBin(wanted_m, input_.bin, pose.X_WO * shapes_[pose.object]->points_O,
+                      input_.gripper.Boxes(*opening_m), grasp.X_WG);
   }
 
   // Fills ignored_ and pose_scores_ of a pose.
@@ -489,7 +467,7 @@ PlanResult PlanWithTools(std::span<const PlanInput> inputs, const PlanOptions& o
                      [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
     const size_t wanted = std::min<size_t>(options.max_grasps, all.grasps.size());
     if (wanted < all.grasps.size()) {
-      all.rejected[kCauseNames[kOutranked]] += static_cast<int>(all.grasps.size() - wanted);
+      all.rejected[CauseName(kOutranked)] += static_cast<int>(all.grasps.size() - wanted);
       all.grasps.resize(wanted);
     }
     return all;

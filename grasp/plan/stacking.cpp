@@ -12,7 +12,7 @@ using Eigen::Array2i;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kNone = -kInfinite;
 
-// An instance lies on another one if its lowest point in a cell is between these heights above the
+// An instance rests on another one if its lowest point in a cell is between these heights above the
 // other one's top. Sampled points and sloped faces need both margins.
 constexpr double kBelowTop_m = 0.004;
 constexpr double kAboveTop_m = 0.020;

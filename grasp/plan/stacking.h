@@ -22,7 +22,7 @@ class InstanceStack {
   void Add(const Eigen::Matrix3Xd& surface_W);
   // Returns the indices of the instances above this one, in ascending order.
   std::vector<int> Above(int instance) const;
-  // Returns the mean position (x, y) in W of the cells in which other instances lie on this one:
+  // Returns the mean position (x, y) in W of the cells in which other instances rest on this one:
   // their lowest points there are close to its top. Only instances with a true element in `counts`
   // count. None if these cells are fewer than three.
   std::optional<Eigen::Vector2d> CenterOfCover(int instance, const std::vector<bool>& counts) const;

@@ -52,10 +52,10 @@ TEST(InstanceStack, CrossedInstancesAreDecidedByTheLargerPart) {
   EXPECT_THAT(InstancesAbove(plates, 0.005), ElementsAre(ElementsAre(1), IsEmpty()));
 }
 
-TEST(InstanceStack, CenterOfCoverIsWhereOthersLieOnTheInstance) {
+TEST(InstanceStack, CenterOfCoverIsWhereOthersRestOnTheInstance) {
   InstanceStack stack(0.005);
   stack.Add(Plate(0, 0, 0));
-  stack.Add(Plate(0.08, 0, 0.01));   // lies on the last 2 cm of the first one
+  stack.Add(Plate(0.08, 0, 0.01));   // rests on the last 2 cm of the first one
   stack.Add(Plate(-0.05, 0, 0.05));  // 5 cm above it
   const auto center = stack.CenterOfCover(0, {true, true, true});
   ASSERT_TRUE(center.has_value());
