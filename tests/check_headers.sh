@@ -8,7 +8,8 @@
 # The sources cannot show a missing #include, because they are compiled in groups and with a precompiled
 # header. To compile each header in a process of its own takes five minutes. "each" takes less than one:
 # - Standard headers, Eigen and libtorch: a table says which header declares a name. A header that uses the name
-#   must include this header, also through our other headers. So these headers may be precompiled.
+#   must include this header, also through our other headers. So the first two may be precompiled, and few units
+#   read libtorch.
 # - Everything else is compiled. A header may follow one that it includes, since it would see the same
 #   declarations anyway, and one that has no name in common with it. header_units.py groups the headers.
 # - A failing static_assert ends each unit. With -Wfatal-errors the compiler stops there and does not

@@ -1,5 +1,5 @@
 # Writes a ctest file with the suites of a GoogleTest program. A ctest entry runs up to eight suites in one process
-# and is named after them, because a program with the network library takes half a second to start. Suites
+# and is named after them, because a program with the network library takes .4 s to start. Suites
 # that take long are entries of their own, which start first.
 # Variables: PROGRAM (path), OUTPUT (file to write), TIMEOUT_S (of one entry).
 cmake_minimum_required(VERSION 3.25)
@@ -10,7 +10,7 @@ execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listing RE
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "${PROGRAM} --gtest_list_tests failed: ${status}")
 endif()
-# All tests of the suite were skipped and none failed: the summary ends with the skipped tests.
+# All tests of the entry were skipped and none failed: the summary ends with the skipped tests.
 set(all_skipped [=[PASSED  \\] 0 tests\\.\n\\[  SKIPPED \\] [0-9]+ tests?, listed below:\n(\\[  SKIPPED \\] [^\n]*\n?)+$]=])
 string(REPLACE "\n" ";" lines "${listing}")
 set(suites "")

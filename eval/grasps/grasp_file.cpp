@@ -31,8 +31,8 @@ std::vector<std::string> Cells(std::string line) {
 }
 
 void RequireUtf8(const std::string& line, const std::string& place) {
-  CheckInput(IsUtf8(line),
-             fmt::format("{}: '{}' is not UTF-8; save the file as UTF-8", place, OneLine(line)));
+  CheckInput(IsUtf8(line), fmt::format("{}: '{}' is not UTF-8; save the file as UTF-8", place,
+                                       Printable(OneLine(line))));
 }
 
 double NumberIn(const std::string& cell, const std::string& column, const std::string& place) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <cmath>
 
 #include "eval/python/arrays.h"
@@ -21,6 +22,7 @@ namespace py = pybind11;
 
 constexpr double kMaxGraspDistance_m = 20;
 constexpr double kMaxWidth_m = 10;
+constexpr double kMaxAside_m = 1;
 
 // The names of failure reasons are the same as in the results files.
 template <FailureReason AttemptRecord::*kMember>
@@ -52,13 +54,25 @@ void AddGrasp(py::module_& module) {
   module.attr("NO_HYPOTHESIS") = kNoHypothesis;
   py::class_<Grasp>(module, "Grasp", Doc("Grasp"))
       .def(
-          py::init(&MakeGrasp), py::arg("X_WG"), py::arg("width_m"), py::arg("score") = 1.0,
+          py::init([](py::handle X_WG, double width_m, double score, int hypothesis,
+                      const std::string& tool, const std::array<double, 2>& lift_aside_m) {
+            Grasp grasp = MakeGrasp(X_WG, width_m, score, hypothesis, tool);
+            grasp.lift_aside_m = {lift_aside_m[0], lift_aside_m[1]};
+            const double aside_m = grasp.lift_aside_m.norm();
+            CheckInput(aside_m <= kMaxAside_m,
+                       fmt::format("lift_aside_m is {:.4g} m long: must be from 0 to {}, in metres",
+                                   aside_m, kMaxAside_m));
+            return grasp;
+          }),
+          py::arg("X_WG"), py::arg("width_m"), py::arg("score") = 1.0,
           py::arg("hypothesis") = kNoHypothesis, py::arg("tool") = "",
+          py::arg("lift_aside_m") = std::array<double, 2>{0, 0},
           "`X_WG` is the pose of the hand when its fingers close. `width_m` is the distance "
           "between "
           "the two contacts; the hand opens wider for the approach. `hypothesis` is the index of "
           "the estimated pose that is grasped, -1 = none. `tool` is the name of the gripper; empty "
-          "= the first one.")
+          "= the first one. `lift_aside_m` is the horizontal shift (x, y) of the hand in the world "
+          "at the start of the lift.")
       .def_property_readonly("X_WG", [](const Grasp& g) { return ArrayOf(g.X_WG); })
       .def_readonly("width_m", &Grasp::width_m)
       .def_readonly("score", &Grasp::score)

@@ -172,8 +172,8 @@ void Statement::Bind(int column, const std::vector<int>& value) {
 // Text of a value for a message: not longer than a line.
 std::string Statement::Shown(int column) const {
   const unsigned char* text = sqlite3_column_text(statement_, column);
-  return fmt::format("'{}'",
-                     OneLine(text == nullptr ? "NULL" : reinterpret_cast<const char*>(text)));
+  return fmt::format(
+      "'{}'", Printable(OneLine(text == nullptr ? "NULL" : reinterpret_cast<const char*>(text))));
 }
 
 // The message is made only for a fault: this runs for every value of a store.

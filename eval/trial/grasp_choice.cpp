@@ -131,7 +131,7 @@ std::vector<Grasp> PlanOnImage(const TrialSetup& setup, const TrueScene& truth,
 }
 
 // Constraints are relaxed, since trying in the true scene shows what is free: no observed point and
-// no other pose is an obstacle, and no approach is too flat.
+// no other pose is an obstacle, and no approach is too flat. All lifts are straight up.
 std::vector<Grasp> PlanRelaxed(const TrialSetup& setup, const Observation& view,
                                const PlannedPoses& on, const GraspMemory& failed,
                                uint64_t rng_seed) {

@@ -308,6 +308,8 @@ PlanResult CompletedPlanner::PlanOn(const std::vector<Completed>& completed,
   plan_options.max_grasps = std::max(options_.tested_grasps, input.max_grasps);
   plan_options.seed = input.seed;
   plan_options.max_tilt_rad = MaxTilt_rad();
+  // The chances of success were measured with lifts straight up.
+  plan_options.lift_aside_diameters = 0;
   std::vector<PlanInput> inputs;
   for (size_t k = 0; k < setup_.tools.size(); ++k) {
     inputs.push_back({bin.bin, poses, candidates[k], cloud_B, objects, *setup_.tools[k],

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "grasp/place/boxes_apart.h"
+#include "grasp/place/hand_motion.h"
 #include "scenes/geometry/triangle_mesh.h"
 
 namespace pickbed::grasp {
@@ -13,7 +14,7 @@ using Eigen::Vector3d;
 
 void AttemptWorldOptions::Visit(SettingsVisitor& v) {
   v.Real("near_m", near_m, {-1, 10},
-         "distance from target and hand from which instances are static, m");
+         "distance from the path of target and hand from which instances are static, m");
   v.Bool("all_active", all_active, "whether all instances move and start awake; slow");
   v.Real("lost_below_m", lost_below_m, {0.01, 100},
          "depth below the floor at which instances are removed, m");
@@ -36,10 +37,22 @@ AxisAlignedBox Grown(AxisAlignedBox box, double by_m) {
   return box;
 }
 
+// Motions of target and hand from the grasp pose on, close enough for options.near_m. Straight up,
+// they come closer to nothing.
+std::vector<Pose> MotionsAside(const Eigen::Vector2d& lift_aside_m) {
+  std::vector<Pose> motions_W{Pose::Identity()};
+  if (lift_aside_m.isZero()) return motions_W;
+  for (const double height_m : {0.01, 0.02, 0.04, 0.06, 0.12}) {
+    motions_W.push_back(Translation(LiftMotion(lift_aside_m, height_m)));
+  }
+  return motions_W;
+}
+
 }  // namespace
 
 AttemptWorld::AttemptWorld(const Scene& scene, const ObjectSet& objects, const Pose& X_WG,
-                           std::span<const AxisAlignedBox> hand_G, InstanceId instance,
+                           std::span<const AxisAlignedBox> hand_G,
+                           const Eigen::Vector2d& lift_aside_m, InstanceId instance,
                            const AttemptWorldOptions& options, const PhysicsOptions& physics)
     : scene_(scene), objects_(objects), lost_below_m_(options.lost_below_m), physics_(physics) {
   CheckSettings("AttemptWorldOptions", options);
@@ -47,16 +60,21 @@ AttemptWorld::AttemptWorld(const Scene& scene, const ObjectSet& objects, const P
   const int reference = ReferenceInstance(X_WG.translation(), instance);
   if (reference >= 0) reference_diameter_m_ = ModelOf(reference).diameter_m;
   const std::vector<AxisAlignedBox> boxes_O = BoxesOf(objects);
+  const std::vector<Pose> motions_W = MotionsAside(lift_aside_m);
   const auto is_near = [&](const PosedObject& posed) {
     const AxisAlignedBox box_O = Grown(boxes_O[posed.object], options.near_m);
-    const Pose X_OW = posed.X_WO.inverse();
+    const auto meets = [&](const AxisAlignedBox& box, const Pose& X_W) {
+      const Pose X_OW = posed.X_WO.inverse();
+      return std::any_of(motions_W.begin(), motions_W.end(), [&](const Pose& motion_W) {
+        return !BoxesApart(box_O, box, X_OW * motion_W * X_W);
+      });
+    };
     if (reference >= 0) {
       const PosedObject& target = scene.objects[reference];
-      if (!BoxesApart(box_O, boxes_O[target.object], X_OW * target.X_WO)) return true;
+      if (meets(boxes_O[target.object], target.X_WO)) return true;
     }
-    return std::any_of(hand_G.begin(), hand_G.end(), [&](const AxisAlignedBox& box_G) {
-      return !BoxesApart(box_O, box_G, X_OW * X_WG);
-    });
+    return std::any_of(hand_G.begin(), hand_G.end(),
+                       [&](const AxisAlignedBox& box_G) { return meets(box_G, X_WG); });
   };
   for (size_t i = 0; i < scene.objects.size(); ++i) {
     const PosedObject& posed = scene.objects[i];

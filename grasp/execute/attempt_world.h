@@ -17,7 +17,7 @@ namespace pickbed::grasp {
 // Options of AttemptWorld.
 struct AttemptWorldOptions {
   // An instance is static if its box is further than this from the box of the target and from the
-  // boxes of the hand in its grasp pose.
+  // boxes of the hand, in the grasp pose and while the lift moves aside.
   double near_m = 0.02;
   bool all_active = false;    // all instances are dynamic and awake: slow, as a reference
   double lost_below_m = 0.5;  // instances this far under the floor are removed
@@ -28,11 +28,12 @@ struct AttemptWorldOptions {
 class AttemptWorld {
  public:
   // `instance`: the target, -1 = the instance nearest to the origin of the hand. `hand_G`: boxes of
-  // the hand in its grasp pose X_WG. Keeps references to scene and objects. A `position` is an
-  // index into scene.objects.
+  // the hand in its grasp pose X_WG. `lift_aside_m`: Grasp::lift_aside_m. Keeps references to scene
+  // and objects. A `position` is an index into scene.objects.
   AttemptWorld(const Scene& scene, const ObjectSet& objects, const Pose& X_WG,
-               std::span<const AxisAlignedBox> hand_G, InstanceId instance,
-               const AttemptWorldOptions& options, const PhysicsOptions& physics);
+               std::span<const AxisAlignedBox> hand_G, const Eigen::Vector2d& lift_aside_m,
+               InstanceId instance, const AttemptWorldOptions& options,
+               const PhysicsOptions& physics);
 
   const Scene& snapshot() const { return scene_; }
   PhysicsWorld& physics() { return physics_; }

@@ -209,7 +209,7 @@ void ExecuteOptions::Visit(SettingsVisitor& v) {
   v.Real("lift_m", lift_m, length, "height of the lift, m; higher if the bin's rim requires it");
   v.Real("lift_s", lift_s, {0.01, 100},
          "duration of the lift, s; longer if the speed would exceed lift_mps");
-  v.Real("lift_mps", lift_mps, speed, "peak speed of the lift, m/s");
+  v.Real("lift_mps", lift_mps, speed, "peak vertical speed of the lift, m/s");
   v.Real("retreat_m", retreat_m, length,
          "height of the lift at which rule vgn_loose is evaluated, m");
   v.Real("hold_s", hold_s, seconds, "duration of the hold in the air, s");

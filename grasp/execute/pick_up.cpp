@@ -28,7 +28,8 @@ PickUp::PickUp(const Scene& scene, const ObjectSet& objects, const Grasp& grasp,
       X_WG_(grasp.X_WG),
       opening_m_(gripper.ApproachOpening_m(grasp.width_m).value_or(gripper.MaxOpening_m())),
       boxes_(gripper.Boxes(opening_m_)),
-      world_(scene, objects, X_WG_, boxes_, target.instance, options.world, options.physics),
+      world_(scene, objects, X_WG_, boxes_, lift_aside_m_, target.instance, options.world,
+             options.physics),
       hand_(gripper.AddTo(world_.physics(), opening_m_, Behind(X_WG_))) {
   hand_.HoldOpening(opening_m_);
 }

@@ -16,7 +16,7 @@ ExecuteResult StirBin(const Scene& scene, const ObjectSet& objects, const Grippe
   CheckSettings("StirOptions", options);
   AttemptWorldOptions all_move;
   all_move.all_active = true;
-  AttemptWorld world(scene, objects, path.X_WG_from, {}, kNoInstance, all_move, physics);
+  AttemptWorld world(scene, objects, path.X_WG_from, {}, {0, 0}, kNoInstance, all_move, physics);
   const auto raised = [&](const Pose& X_WG) { return Translation({0, 0, path.rise_m}) * X_WG; };
   Hand& hand = gripper.AddTo(world.physics(), 0, raised(path.X_WG_from));
   hand.HoldOpening(0);

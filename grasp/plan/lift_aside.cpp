@@ -20,11 +20,14 @@ Vector2d AwayFrom(const Vector2d& cover, const Vector2d& center_of_mass, double 
 
 Vector2d ShiftInBin(const Vector2d& shift_m, const Bin& bin, const Eigen::Matrix3Xd& target_B,
                     std::span<const AxisAlignedBox> boxes_G, const Pose& X_BG) {
-  if (shift_m.isZero()) return shift_m;
+  if (shift_m.isZero() || bin.inner_size_m.z() <= 0) return shift_m;  // a table has no walls
   Vector2d reach_m = Vector2d::Zero();  // towards the wall that the shift approaches
   for (int axis = 0; axis < 2; ++axis) {
     const double side = shift_m[axis] < 0 ? -1 : 1;
-    if (target_B.cols() > 0) reach_m[axis] = (side * target_B.row(axis)).maxCoeff();
+    for (int i = 0; i < target_B.cols(); ++i) {
+      if (target_B(2, i) > bin.inner_size_m.z()) continue;
+      reach_m[axis] = std::max(reach_m[axis], side * target_B(axis, i));
+    }
     for (const AxisAlignedBox& box : boxes_G) {
       const Eigen::Vector3d center_B = X_BG * box.center;
       const Eigen::Vector3d half_B = X_BG.linear().cwiseAbs() * box.half_size;

@@ -2,10 +2,10 @@
 
 // Collision of a held object with the walls of the bin while it is lifted.
 //
-// The hand lifts straight up, or aside where no wall is near (grasp/plan/lift_aside.h). So the
-// swept volume at a wall depends on the object's pose and not on the grasp. Walls that it does not
-// touch before the lift are not met during it. A bin that is narrower at its opening is: its free
-// space is the box of Bin::inner_size_m, which fits through the opening.
+// The hand lifts straight up, or aside until 1 cm before a wall (grasp/plan/lift_aside.h). So
+// whether the object meets a wall depends on its pose and not on the grasp. Vertical walls that an
+// object does not touch before the lift are not met during it. A bin that is narrower at its
+// opening is: its free space is the box of Bin::inner_size_m, which fits through the opening.
 
 #include "grasp/layer.h"
 #include "scenes/bin/bin.h"

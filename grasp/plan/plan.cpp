@@ -115,6 +115,7 @@ class CandidateCheck {
 
  private:
   bool by_chance() const { return ranking_.value == nullptr; }
+  double Size_m(const EstimatedPose& pose) const { return input_.objects[pose.object]->diameter_m; }
 
   // A candidate of a pose that is neither too tilted, too poor nor too wide.
   struct Pending {
@@ -171,8 +172,7 @@ class CandidateCheck {
     std::vector<bool> rivals(input_.poses.size());
     for (size_t i = 0; i < rivals.size(); ++i) {
       const EstimatedPose& other = input_.poses[i];
-      const double size = std::min(input_.objects[pose.object]->diameter_m,
-                                   input_.objects[other.object]->diameter_m);
+      const double size = std::min(Size_m(pose), Size_m(other));
       const double thickness =
           std::min(shapes_[pose.object]->thickness_m, shapes_[other.object]->thickness_m);
       const double apart = (centers_W_[target] - centers_W_[i]).norm();
@@ -215,12 +215,11 @@ class CandidateCheck {
   }
 
   // Poses that count as other instances than the target.
-  std::vector<bool> Others(const std::vector<bool>& rivals) const {
-    std::vector<bool> others(rivals.size());
-    for (size_t i = 0; i < others.size(); ++i) {
-      others[i] = !rivals[i] && input_.poses[i].confidence >= options_.neighbor_confidence;
+  std::vector<bool> Others(std::vector<bool> rivals) const {
+    for (size_t i = 0; i < rivals.size(); ++i) {
+      rivals[i] = !rivals[i] && input_.poses[i].confidence >= options_.neighbor_confidence;
     }
-    return others;
+    return rivals;
   }
 
   Eigen::Vector2d LiftAside(const Grasp& grasp) const {
@@ -228,9 +227,8 @@ class CandidateCheck {
     const EstimatedPose& pose = input_.poses[target];
     const auto cover = stack_.CenterOfCover(target, Others(Rivals(target)));
     if (!cover) return Eigen::Vector2d::Zero();
-    const double share = options_.lift_aside_diameters;
-    const Eigen::Vector2d wanted_m = AwayFrom(*cover, centers_W_[target].head<2>(),
-                                              share * input_.objects[pose.object]->diameter_m);
+    const double length_m = options_.lift_aside_diameters * Size_m(pose);
+    const auto wanted_m = AwayFrom(*cover, centers_W_[target].head<2>(), length_m);
     const auto opening_m = input_.gripper.ApproachOpening_m(grasp.width_m);
     return ShiftInBin(wanted_m, input_.bin, pose.X_WO * shapes_[pose.object]->points_O,
                       input_.gripper.Boxes(*opening_m), grasp.X_WG);

@@ -40,15 +40,19 @@ uint64_t BytesOfRows(uint64_t width, uint64_t height, uint64_t bits) {
   return width == 0 ? 0 : height * (1 + (width * bits + 7) / 8);
 }
 
-// Returns the bytes of the pixels before compression (PNG, third edition, sections 7 and 8); 0 if
-// the header has no valid form.
+// Returns the bytes of the pixels before compression (PNG, third edition, sections 7 and 8). 0 if
+// the header has no valid form or more than kMaxPixels.
 uint64_t PngDataBytes(std::string_view header) {
   constexpr size_t kHeader = 13;
   constexpr std::array<uint64_t, 7> kChannels{1, 0, 3, 1, 2, 0, 4};  // of the colour types
   if (header.size() != kHeader) return 0;
   const auto byte = [&](size_t i) { return static_cast<unsigned char>(header[i]); };
   const uint64_t width = BigEndian32(header), height = BigEndian32(header.substr(4));
-  if (byte(9) >= kChannels.size()) return 0;
+  constexpr std::string_view kDepths("\1\2\4\10\20", 5);
+  const bool is_valid = byte(9) < kChannels.size() && kChannels[byte(9)] > 0 &&
+                        kDepths.find(header[8]) != std::string_view::npos && byte(10) == 0 &&
+                        byte(11) == 0 && byte(12) <= 1;
+  if (!is_valid || width * height > uint64_t{kMaxPixels}) return 0;
   const uint64_t bits = byte(8) * kChannels[byte(9)];
   if (byte(12) == 0) return BytesOfRows(width, height, bits);
   // Seven interlaced passes (Adam7): first column and row, and steps between them.
@@ -91,7 +95,7 @@ std::optional<uint64_t> DecompressedBytes(const std::vector<std::string_view>& c
 // The fault of data that does not fit the header. Decoders leave out rows, or add them.
 std::string FaultOfPngData(const PngChunks& chunks) {
   const uint64_t expected = PngDataBytes(chunks.header);
-  if (expected == 0) return "the PNG has a damaged header";
+  if (expected == 0) return "the PNG has a damaged header, or more than 67 million pixels";
   const std::optional<uint64_t> bytes = DecompressedBytes(chunks.data, expected);
   if (!bytes) return "the PNG has damaged or missing data";
   if (*bytes == expected) return "";

@@ -41,9 +41,6 @@ int64_t PixelsInHeader(const std::string& bytes) {
   return 0;
 }
 
-// The largest image that is decoded. A PNG of a megabyte can hold an image of gigabytes.
-constexpr int64_t kMaxPixels = int64_t{1} << 26;
-
 // Throws InputError with the fault if the bytes are no image, a damaged one, or one that is too
 // large.
 cv::Mat Decode(const std::string& bytes, int flags) {

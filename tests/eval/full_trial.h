@@ -113,6 +113,7 @@ inline TrialResult FullTrial(int trial) {
     grasp.width_m = rng.Uniform();
     grasp.score = rng.Uniform();
     grasp.hypothesis = 1;
+    grasp.lift_aside_m = {0.02, -0.01};
     pick.grasp = grasp;
     pick.outcome = FullOutcome(rng);
   }
@@ -147,6 +148,7 @@ inline void ExpectSamePick(const AttemptRecord& a, const AttemptRecord& b) {
     EXPECT_EQ(a.grasp->width_m, b.grasp->width_m);
     EXPECT_EQ(a.grasp->score, b.grasp->score);
     EXPECT_EQ(a.grasp->hypothesis, b.grasp->hypothesis);
+    EXPECT_EQ(a.grasp->lift_aside_m, b.grasp->lift_aside_m);
   }
   EXPECT_EQ(a.outcome.success, b.outcome.success);
   EXPECT_EQ(a.outcome.failure, b.outcome.failure);

@@ -74,7 +74,7 @@ TEST(GraspOptions, ValuesOutOfRangeAreRefused) {
        }},
       {"near_m",
        [&] {
-         AttemptWorld(scene, objects, Pose::Identity(), {}, kNoInstance,
+         AttemptWorld(scene, objects, Pose::Identity(), {}, {0, 0}, kNoInstance,
                       With(&AttemptWorldOptions::near_m, kNotANumber), {});
        }},
       {"loose_opening",

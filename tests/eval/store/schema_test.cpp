@@ -203,6 +203,8 @@ constexpr AddedColumn kAddedColumns[] = {
     {9, "trials", "layers"},
     {10, "hypotheses", "raw_score"},
     {11, "trials", "child_rows"},
+    {12, "attempts", "grasp_lift_aside_x_m"},
+    {12, "attempts", "grasp_lift_aside_y_m"},
 };
 
 // Returns all values of the columns that a version has, in the order of the columns' names.
@@ -265,7 +267,7 @@ TEST_P(EarlierSchema, IsMigratedWithAllItsValuesAndContinued) {
   ExpectSameTrial(store.Read(2, 3).at(0), FullTrial(2));
 }
 
-INSTANTIATE_TEST_SUITE_P(Versions, EarlierSchema, testing::Values(6, 7, 8, 9, 10));
+INSTANTIATE_TEST_SUITE_P(Versions, EarlierSchema, testing::Values(6, 7, 8, 9, 10, 11));
 
 TEST_F(ResultsSchemaTest, RefusesUnknownVersionsInOneLine) {
   ResultsStore(folder_, "s").Write(FullTrial(0));

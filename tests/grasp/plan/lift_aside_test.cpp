@@ -55,6 +55,14 @@ TEST_F(ShiftInBinTest, KeepsTheHandOffTheWallsUnlessItIsAboveTheRim) {
   EXPECT_EQ(Shift({0, -0.03}).y(), -0.03);
 }
 
+TEST_F(ShiftInBinTest, PartsOfTheTargetAboveTheRimAndTablesHaveNoWall) {
+  point_B_ = {0.195, 0, 0.16};
+  EXPECT_EQ(Shift({0.03, 0}).x(), 0.03);
+  bin_.inner_size_m.z() = 0;
+  point_B_.z() = -0.01;
+  EXPECT_EQ(Shift({0.03, 0}).x(), 0.03);
+}
+
 class LiftAsidePlan : public PlanFixture {};
 
 TEST_F(LiftAsidePlan, OnlyACoveredTargetIsPulledAside) {
@@ -75,9 +83,12 @@ TEST_F(LiftAsidePlan, OnlyACoveredTargetIsPulledAside) {
   }
   EXPECT_GT(covered, 0);
   EXPECT_GT(free, 0);
-  for (const Grasp& grasp : Run({.lift_aside_diameters = 0}).grasps) {
+  int straight = 0;
+  for (const Grasp& grasp : Run({.max_grasps = 1000, .lift_aside_diameters = 0}).grasps) {
+    straight += grasp.hypothesis == 0;
     EXPECT_TRUE(grasp.lift_aside_m.isZero());
   }
+  EXPECT_EQ(straight, covered);
 }
 
 // The end of a beam is under a slab of 20 kg that two posts support. Straight up, the hand would

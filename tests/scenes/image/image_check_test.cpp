@@ -10,6 +10,8 @@
 namespace pickbed::tests {
 namespace {
 
+constexpr size_t kHeight = 23;  // lowest byte of the height in the header of a PNG
+
 using testing::AllOf;
 using testing::HasSubstr;
 
@@ -71,7 +73,7 @@ TEST(FaultOfImage, PartsAndBytesThatDecodersSkipAreChecked) {
 
 // Returns the PNG with another height and the right check sum of its header.
 std::string WithHeight(std::string png, char height) {
-  constexpr size_t kHeader = 12, kHeaderBytes = 17, kHeight = 23;
+  constexpr size_t kHeader = 12, kHeaderBytes = 17;
   png[kHeight] = height;
   const uint32_t sum = PngCheckSum(std::string_view(png).substr(kHeader, kHeaderBytes));
   for (size_t i = 0; i < 4; ++i) {
@@ -86,6 +88,29 @@ TEST(FaultOfImage, DataOfAPngThatDoesNotFitItsHeaderIsNoticed) {
   EXPECT_THAT(FaultOfImage(WithHeight(png, 3)), HasSubstr("more data than the 5 x 3 pixels"));
   EXPECT_THAT(FaultOfImage(WithHeight(png, 5)), HasSubstr("less data than the 5 x 5 pixels"));
   EXPECT_THAT(FaultOfImage(WithHeight(png, 0)), HasSubstr("damaged header"));
+}
+
+// One invalid value each of depth, colour type, compression, filter and interlace, and a width of
+// 2,100 million pixels.
+TEST(FaultOfImage, InvalidHeadersOfPngsAreNoticed) {
+  const std::string png = EncodePng(Image<uint16_t>(5, 4), 3);
+  const auto with = [&](size_t at, char value) {
+    std::string changed = png;
+    changed[at] = value;
+    return WithHeight(changed, changed[kHeight]);  // with the check sum that fits
+  };
+  constexpr size_t kDepth = kHeight + 1;
+  ASSERT_EQ(FaultOfImage(with(kDepth, 16)), "");
+  for (const auto& [at, value] : {std::pair(kDepth, 3),
+                                  {kDepth + 1, 1},
+                                  {kDepth + 1, 9},
+                                  {kDepth + 2, 1},
+                                  {kDepth + 3, 1},
+                                  {kDepth + 4, 2},
+                                  {kHeight - 7, 127}}) {
+    EXPECT_THAT(FaultOfImage(with(at, static_cast<char>(value))), HasSubstr("damaged header"))
+        << at;
+  }
 }
 
 // 5 x 3 pixels of 4 bits in seven interlaced passes.
