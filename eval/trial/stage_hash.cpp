@@ -97,7 +97,8 @@ uint64_t HashOfGrasp(const AttemptRecord& record) {
         .Add(grasp.hypothesis)
         .Add(std::string_view(grasp.tool));
     // A lift straight up keeps the hashes of stores of earlier versions.
-    if (!grasp.lift_aside_m.isZero()) hash.Add(grasp.lift_aside_m.x()).Add(grasp.lift_aside_m.y());
+    if (grasp.lift_aside_m != Eigen::Vector2d::Zero())
+      hash.Add(grasp.lift_aside_m.x()).Add(grasp.lift_aside_m.y());
   }
   for (const auto& [cause, grasps] : record.grasps_rejected) {
     hash.Add(HashedCause(cause)).Add(grasps);
