@@ -5,6 +5,7 @@
 # - a header under 15 lines without a reason in tests/short_headers.txt
 # - a source that no test names and that has no reason in tests/untested_sources.txt. A test names it by the
 #   name of the test file, or by an #include of its header.
+# - a test file that tests/CMakeLists.txt does not name, so that it is never built
 # - two types with one qualified name
 # - the name of a file that is written or read, in two places
 # Each line of the two lists has a path, which may be a pattern, and a reason. An entry without a file is an
@@ -75,6 +76,10 @@ while IFS= read -r file; do
 done < <(find scenes sim perception grasp eval -name '*.cpp' 2>/dev/null | sort)
 check_listed tests/untested_sources.txt "named by no test; test it or give a reason in tests/untested_sources.txt" \
   "${untested[@]}"
+
+while IFS= read -r file; do
+  grep -qsF "${file#tests/}" tests/CMakeLists.txt || say "$file: add it to tests/CMakeLists.txt; it is not built"
+done < <(find tests -path "tests/support" -prune -o -name '*_test.cpp' -print 2>/dev/null | sort)
 
 # Definitions begin in the first column, because namespaces are not indented. "}" in the first column after a
 # namespace comment ends a namespace.

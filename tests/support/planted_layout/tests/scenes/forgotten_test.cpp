@@ -1,0 +1,1 @@
+// A test file that no CMakeLists.txt names.
