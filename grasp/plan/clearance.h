@@ -19,14 +19,15 @@ namespace pickbed::grasp {
 // hand (fingers or stem, the palm last), each extended backwards by `approach_m`.
 std::vector<AxisAlignedBox> HandSweep(const Gripper& gripper, double opening_m);
 
-// First collision of the boxes (in G) with the boxes of the bin; `bin_box` is an index of BinBoxes.
-// The bin boxes are grown by `clearance_m` along the axes of W. Uses separating axes of oriented
-// boxes (Gottschalk et al. 1996). Returns nullopt if there is no collision.
+// Two boxes that collide.
 struct BinContact {
-  int hand_box = 0;
-  int bin_box = 0;
+  int hand_box = 0;  // index of the box of the hand
+  int bin_box = 0;   // index of the box of the bin
 };
-// Returns the first collision, in the order of the boxes of the bin and then of the hand.
+// Returns the first collision of the boxes of a hand (in G) with the boxes of a bin (BinBoxes()),
+// or nullopt. The order is by boxes of the bin, then of the hand. The boxes of the bin are grown by
+// `clearance_m` along the axes of W. Uses separating axes of oriented boxes (Gottschalk et al.
+// 1996).
 std::optional<BinContact> FindBinContact(std::span<const AxisAlignedBox> boxes_G, const Pose& X_WG,
                                          std::span<const AxisAlignedBox> bin_boxes,
                                          double clearance_m);

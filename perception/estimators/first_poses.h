@@ -20,7 +20,7 @@ struct FirstPosesSearch {
   const FirstPosesSpec& spec;
 };
 
-// Returns the candidates of the searched regions and the selected poses.
+// Result of a search.
 struct FirstPoses {
   std::vector<Candidate> candidates;       // of all searched regions
   std::vector<PoseHypothesis> hypotheses;  // selected, highest score first

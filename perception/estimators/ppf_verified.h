@@ -21,7 +21,7 @@ struct VerifiedPpfOptions {
   PpfMatchOptions match{.window_diameters = 2};
   CandidateRefinementOptions refinement;
   PoseSelectionOptions pose_selection;  // min_score is replaced by spec.min_score of the setup
-  VerifiedPpfOptions();                 // assessment as in AccurateCandidates()
+  VerifiedPpfOptions();                 // refinement as in AccurateCandidates()
 };
 
 // Makes the candidate source. Times are added under "match" and the names of CandidateRefiner. It

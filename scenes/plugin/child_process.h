@@ -7,6 +7,7 @@
 #include <chrono>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace pickbed::scenes {
@@ -24,7 +25,7 @@ class ChildLog {
   int descriptor() const { return descriptor_; }
   const std::filesystem::path& file() const { return file_; }  // empty without a folder
 
-  // Begins the text of a new child. LastText() does not return earlier text.
+  // Begins the text of a new child. LastLines() does not return earlier text.
   void Mark();
   // Returns the last lines since Mark(), at most `max_lines`.
   std::vector<std::string> LastLines(size_t max_lines) const;
