@@ -12,7 +12,7 @@ namespace {
 constexpr double kOutlierShare = 0.004;
 // The cube begins this share of its side before the nearest point.
 constexpr float kFrontMargin = 0.06f;
-// An occluder within this share of the extent may hide more of the part.
+// An occluder within this share of the extent may hide more of the object.
 constexpr float kOccluderReach = 0.35f;
 constexpr float kCutCells = 3;
 constexpr float kFactScales[] = {48, 12, 1};

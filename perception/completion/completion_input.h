@@ -7,11 +7,11 @@
 // seen points. It is centered on them across, and begins a little before the nearest of them:
 //
 //      C ---> z     +--------+
-//                   | (###   |  seen surface "(": front of the part
+//                   | (###   |  seen surface "(": front of the object
 //                   | (###   |
 //                   +--------+
 //
-// What is behind background pixels changes nothing, because the part is not there.
+// What is behind background pixels changes nothing, because the object is not there.
 
 #include <array>
 #include <cstdint>
@@ -36,10 +36,10 @@ struct CompletionCube {
 
 enum class PixelClass : uint8_t {
   kNoData,       // no reading, or outside the image
-  kSegment,      // shows the part
-  kBackground,   // shows something behind the part
+  kSegment,      // shows the object
+  kBackground,   // shows something behind the object
   kBesideOther,  // background next to a pixel of another class
-  kOccluder      // shows something in front of the part
+  kOccluder      // shows something in front of the object
 };
 
 // A segment view prepared for completion. All depths are along camera z.
@@ -61,9 +61,9 @@ class CompletionInput {
 
   // Returns kImageChannels x kImagePixels^2 values, x fastest, for the rays through a square grid
   // at the depth of the cube's center. Rays that pass the cube may show nothing.
-  //   0 depth of the part or the occluder: -1 at the near side of the cube, 1 at the far side, cut
-  //     to -2 .. 2; 0 for other pixels
-  //   1-3 the pixel shows the part, the background, an occluder
+  //   0 depth of the object or the occluder: -1 at the near side of the cube, 1 at the far side,
+  //     cut to -2 .. 2; 0 for other pixels
+  //   1-3 the pixel shows the object, the background, an occluder
   //   4 depth of the floor as in 0, if it is known
   std::vector<float> ImageChannels() const;
 
@@ -73,12 +73,12 @@ class CompletionInput {
 
   // Returns facts about a point in C:
   //   0-2 distance to the seen surface along z in units of 1/48, 1/12 and 1 of the side, cut to
-  //       -1 .. 1; positive before it; 0 where the pixel does not show the part
-  //   3-6 the pixel shows the part, the background, an occluder, nothing
+  //       -1 .. 1; positive before it; 0 where the pixel does not show the object
+  //   3-6 the pixel shows the object, the background, an occluder, nothing
   //   7-9 the floor is known, the point is below it, its height in units of 1/4 of the side
   std::array<float, kPointFacts> Facts(const Eigen::Vector3f& p_C) const;
 
-  // Returns true if the part cannot be at a point in C: before the seen surface or an occluder,
+  // Returns true if the object cannot be at a point in C: before the seen surface or an occluder,
   // in front of the background, below the floor. The margin for noise is one cell along z, and one
   // pixel across.
   bool IsKnownEmpty(const Eigen::Vector3f& p_C) const;
@@ -98,8 +98,8 @@ class CompletionInput {
 };
 
 // Number of rotations and reflections of the cube about the z axis. Turn t: bit 0 reflects x, bit 1
-// reflects y, then bit 2 swaps x and y. A turned view is a valid view too, of a turned part from a
-// turned camera.
+// reflects y, then bit 2 swaps x and y. A turned view is a valid view too, of a turned object from
+// a turned camera.
 inline constexpr int kCubeTurns = 8;
 // Writes the channels of a turned cube to `turned`, which has the same number of values.
 void TurnChannels(std::span<const int8_t> channels, int turn, int8_t* turned);

@@ -35,7 +35,7 @@ struct CompletionBatch {
   std::vector<int8_t> channels;  // count x CompletionInput::Channels()
   std::vector<float> images;     // count x CompletionInput::ImageChannels()
   std::vector<float> queries;    // count x points x kQueryValues
-  std::vector<float> inside;     // count x points, 1 = the point is inside the part
+  std::vector<float> inside;     // count x points, 1 = the point is inside the object
   // count x kInputCells^3, 127 = the center of the cell is inside; empty if not needed
   std::vector<int8_t> volumes;
 };
@@ -69,8 +69,8 @@ class CompletionNetwork {
   // Returns the probability of each query of a batch; `inside` is not used.
   std::vector<float> Probabilities(const CompletionBatch& batch) const;
 
-  // Returns the probability that the part contains each point in C (m): the mean over `turns` (1 to
-  // kCubeTurns) turned copies of the view.
+  // Returns the probability that the object contains each point in C (m): the mean over `turns` (1
+  // to kCubeTurns) turned copies of the view.
   std::vector<float> Probabilities(const CompletionInput& input,
                                    std::span<const Eigen::Vector3f> points_C, int turns = 1) const;
   // Returns the same for each query. The views are encoded together.

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a completion sees of one part: a depth image and the pixels that show the part.
+// The input of a completion: a depth image and the pixels that show one object.
 
 #include <cmath>
 #include <cstdint>
@@ -29,12 +29,12 @@ struct FloorPlane {
 // intrinsics of the window.
 struct SegmentView {
   Image<float> depth_m;    // along camera z; see HasReading()
-  Image<uint8_t> segment;  // not 0 = the pixel shows the part
-  // Not 0 = the pixel shows something else that is nearer than the part, so that the part may go
-  // on behind it. Empty = MarkOccluders() finds these pixels.
+  Image<uint8_t> segment;  // not 0 = the pixel shows the object
+  // Not 0 = the pixel shows something else, behind which the object may continue. Empty =
+  // MarkOccluders() finds these pixels.
   Image<uint8_t> occluders;
   CameraIntrinsics intrinsics;
-  std::optional<FloorPlane> floor;  // the part has no matter below it; absent = not known
+  std::optional<FloorPlane> floor;  // the object has no matter below it; absent = not known
 };
 
 // Returns the pixels outside the segment that are nearer than the nearest segment pixel in the

@@ -1,6 +1,6 @@
 #pragma once
 
-// Methods that complete the shape of a part from one view, and the table of these methods.
+// Methods that complete the shape of an object from one view, and the table of these methods.
 
 #include <filesystem>
 #include <memory>
@@ -24,7 +24,7 @@ struct CompletionOptions {
   void Visit(SettingsVisitor& v);
 };
 
-// Completes segments of unknown parts. Calls from several threads need one object for each.
+// Completes segments of unknown objects. Each thread needs its own completer.
 class ShapeCompleter {
  public:
   virtual ~ShapeCompleter() = default;

@@ -16,7 +16,7 @@ inline constexpr int kInputVolume = kInputCells * kInputCells * kInputCells;
 inline constexpr int kInputChannels = 4;  // signed distance, seen surface, known empty, no data
 inline constexpr int kImagePixels = 64;   // along each side of the input image
 inline constexpr int kImageArea = kImagePixels * kImagePixels;
-inline constexpr int kImageChannels = 5;  // depth, part, background, occluder, floor
+inline constexpr int kImageChannels = 5;  // depth, object, background, occluder, floor
 inline constexpr int kPointFacts = 10;
 
 // Values of a query: position in the cube, -1 .. 1 along each axis; position in the image, -1 .. 1

@@ -118,7 +118,7 @@ TEST(CompletionInput, ThePlaceInTheImageFollowsTheRay) {
     const bool shows = image[kImageArea + pixel.y() * kImagePixels + pixel.x()] > 0;
     wrong += shows != (input.Facts(p_C)[3] > 0);
   }
-  EXPECT_LT(wrong, 40);  // at the edge of the part
+  EXPECT_LT(wrong, 40);  // at the edge of the object
 }
 
 TEST(CompletionInput, WhatIsBehindChangesNothing) {
