@@ -110,7 +110,7 @@ bool Names(const std::filesystem::path& path, const std::string& name) {
 }
 
 // Width and depth of the mesh between the open fingers: twice the largest distance from the center
-// of the hand, and the distance of its middle behind the tips. Zero for a hand without fingers.
+// of the hand, and the distance of its center behind the tips. Zero for a hand without fingers.
 void MeasureContact(const ObjectModel& object, const Gripper& gripper, GraspCandidate& candidate) {
   const auto region = gripper.RegionBetween(gripper.MaxOpening_m());
   if (!region) return;

@@ -32,7 +32,7 @@ struct OpposingFacesOptions {
   double level_step_m = 0.004;       // distance of the heights of the finger tips
   double floor_gap_m = 0.003;        // lowest tips above the lowest surface
   double below_tips_m = 0.0015;      // solid this far below the tips does not block; for noise
-  double min_engagement_m = 0.004;   // least height of measured surface above the tips
+  double min_engagement_m = 0.004;   // minimum height of measured surface above the tips
   double good_engagement_m = 0.012;  // height without loss
   double good_support_m = 0.012;     // width of the contact across the closing without loss
   // Share of the rows of a pad whose surface is near its contact: below the first value the pair is
@@ -42,9 +42,9 @@ struct OpposingFacesOptions {
   double near_contact_m = 0.008;
   // Free space beside a wide object, in place of the clearance of the gripper.
   double tight_clearance_m = 0.001;
-  double min_purity = 0.85;    // least share of the main segment between the pads
+  double min_purity = 0.85;    // minimum share of the main segment between the pads
   double lever_m = 0.05;       // distance from the center of the segment that halves the score
-  double max_shift_m = 0.012;  // of the hand from the middle of the contacts, towards free space
+  double max_shift_m = 0.012;  // of the hand from the center of the contacts, towards free space
   double good_room_m = 0.004;  // free space beside the fingers without loss
   double room_share = 0.3;     // share of the score that is lost without it
   double width_share = 0.3;    // share of the score that is lost at the full stroke

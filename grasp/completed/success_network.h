@@ -37,7 +37,7 @@ struct PerceptronLayer {
 // [-kMaxInput, kMaxInput]. Its sums are computed by Eigen, which gives the same bits on every CPU.
 struct SuccessNetwork {
   static constexpr float kMaxInput = 4;
-  std::string training;                 // settings and figures of the training
+  std::string training;                 // settings and statistics of the training
   Eigen::VectorXf mean, scale;          // kSuccessInputs values
   std::vector<PerceptronLayer> layers;  // the last has one output, the log odds
 

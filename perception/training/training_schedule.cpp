@@ -21,7 +21,7 @@ int Rounded(double value) { return static_cast<int>(std::lround(value)); }
 }  // namespace
 
 // Smooth weighted round-robin: in each turn all credits grow by their weight, and the object with
-// the highest credit is chosen and pays the total.
+// the highest credit is chosen. Its credit then decreases by the sum of the weights.
 std::vector<ObjectId> TakeTurns(const std::vector<double>& weights, int count) {
   const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
   if (weights.empty() || *std::min_element(weights.begin(), weights.end()) <= 0) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Is an image like the images of the training? Scores are calibrated on simulated images. Outside
-// of their range, a score says less, so it is lowered.
+// Comparison of an image with the images of the training. Scores are calibrated on simulated
+// images. Outside their range, a score is less reliable, so it is lowered.
 
 #include <string>
 #include <vector>

@@ -32,8 +32,7 @@ void ReportDamagedCacheFile(const std::filesystem::path& file, const std::string
 // Returns the value of a cache file. If there is no usable file, computes the value with `make` and
 // stores it. Other processes that need the same value wait for it.
 //   read(content)  returns the value; nullopt if it is out of date; throws InputError if the
-//   content
-//                  is of another form
+//                  content has another form
 //   write(value)   returns the content
 template <typename Read, typename Make, typename Write>
 auto Cached(const std::filesystem::path& file, Read&& read, Make&& make, Write&& write) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Depth images without gaps, for what must not mistake a missing reading for free space.
+// Depth images without gaps, for code that must not take a missing reading for free space.
 
 #include "scenes/image/image.h"
 

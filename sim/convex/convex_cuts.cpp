@@ -18,7 +18,7 @@ using Polygon = std::vector<Vector3d>;  // convex and planar
 
 constexpr int kColumns = 64;        // columns of SolidColumns, for the solid's volume
 constexpr double kSnap = 1e-7;      // share of the mesh size; a nearer point is on the plane
-constexpr double kThinnest = 0.02;  // least distance of a cut to a piece's ends, share of extent
+constexpr double kThinnest = 0.02;  // minimum distance of a cut to a piece's ends, share of extent
 constexpr double kFlat = 0.9995;    // smallest |cosine| of a face perpendicular to an axis
 constexpr double kCenterPreference = 1e-3;  // penalty of a cut at an end, share of hull volume
 constexpr double kLittleGain = 0.1;    // share of a piece's air; a cut that saves less looks ahead
