@@ -143,12 +143,6 @@ bool CompletionNetwork::NeedsVolumes(const CompletionNetworkOptions& options) {
 
 const CompletionNetworkOptions& CompletionNetwork::options() const { return impl_->options; }
 
-int64_t CompletionNetwork::WeightCount() const {
-  int64_t count = 0;
-  for (const at::Tensor& parameter : impl_->net->parameters()) count += parameter.numel();
-  return count;
-}
-
 double CompletionNetwork::TrainStep(const CompletionBatch& batch, double learning_rate) {
   CompletionNet& net = *impl_->net;
   SetLearningRate(impl_->adam, learning_rate);

@@ -59,7 +59,6 @@ class CompletionNetwork {
   // Returns whether a network with these options needs CompletionBatch::volumes to train.
   static bool NeedsVolumes(const CompletionNetworkOptions& options);
   const CompletionNetworkOptions& options() const;
-  int64_t WeightCount() const;
 
   // Makes one Adam step on the loss of the kind and returns the loss as it was before the step. It
   // is the mean cross-entropy of all points (implicit), or of all cells plus the divergence of the

@@ -114,9 +114,9 @@ std::vector<std::vector<PoseVote>> SegmentPoses::Propose(const OrganizedCloud& c
     const std::optional<Pose> X_CF = VolumeFrame(volumes[segment]);
     if (!X_CF) continue;
     for (size_t object = 0; object < books_.size(); ++object) {
-      for (const VolumeMatch& match :
+      for (const Pose& X_FO :
            NearestVolumes(books_[object], volumes[segment], *X_CF, options_.poses)) {
-        poses[object].push_back({*X_CF * match.X_FO, kNoPatch});
+        poses[object].push_back({*X_CF * X_FO, kNoPatch});
       }
     }
   }

@@ -99,8 +99,8 @@ VolumeBook MakeVolumeBook(LabelledViewSource& views, ObjectId object, ShapeCompl
   return book;
 }
 
-std::vector<VolumeMatch> NearestVolumes(const VolumeBook& book, const CompletedVolume& query,
-                                        const Pose& X_CF, int count) {
+std::vector<Pose> NearestVolumes(const VolumeBook& book, const CompletedVolume& query,
+                                 const Pose& X_CF, int count) {
   const auto entries = static_cast<Eigen::Index>(book.size());
   if (entries == 0) return {};
   std::vector<float> turned;
@@ -129,16 +129,15 @@ std::vector<VolumeMatch> NearestVolumes(const VolumeBook& book, const CompletedV
                     [](const Found& a, const Found& b) {
                       return std::pair(a.squared, a.entry) < std::pair(b.squared, b.entry);
                     });
-  std::vector<VolumeMatch> matches;
+  std::vector<Pose> X_FO;
   for (size_t i = 0; i < kept; ++i) {
     // The turned grid of the query equals the grid of the entry.
     const double angle_rad = 2 * std::numbers::pi * found[i].turn / kDescriptorTurns;
     const Eigen::AngleAxisd R_FG(angle_rad, Eigen::Vector3d::UnitZ());
-    matches.push_back(
-        {std::max(0.0f, found[i].squared),
-         MakePose(R_FG.toRotationMatrix(), Eigen::Vector3d::Zero()) * book.X_FO[found[i].entry]});
+    X_FO.push_back(MakePose(R_FG.toRotationMatrix(), Eigen::Vector3d::Zero()) *
+                   book.X_FO[found[i].entry]);
   }
-  return matches;
+  return X_FO;
 }
 
 void WriteVolumeBook(const std::filesystem::path& file, const VolumeBook& book, uint64_t key) {

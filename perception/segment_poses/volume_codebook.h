@@ -43,17 +43,14 @@ VolumeBook MakeVolumeBook(LabelledViewSource& views, ObjectId object, ShapeCompl
                           const VolumeBookOptions& options,
                           const std::function<void(double share)>& on_share = {});
 
-// An entry that resembles a query.
-struct VolumeMatch {
-  double squared_distance = 0;   // of the descriptors
-  Pose X_FO = Pose::Identity();  // in the frame of the query
-};
-
-// Returns the poses of the `count` nearest entries, nearest first. The query is compared in
-// kDescriptorTurns angles about its z axis, and each entry counts in its best one.
+// Number of angles about its z axis in which a query is compared.
 inline constexpr int kDescriptorTurns = 16;
-std::vector<VolumeMatch> NearestVolumes(const VolumeBook& book, const CompletedVolume& query,
-                                        const Pose& X_CF, int count);
+
+// Returns the poses X_FO of the object in the frame F of a query, of the `count` nearest entries,
+// nearest first. Each entry counts in the best of kDescriptorTurns angles. X_CF is VolumeFrame() of
+// the query.
+std::vector<Pose> NearestVolumes(const VolumeBook& book, const CompletedVolume& query,
+                                 const Pose& X_CF, int count);
 
 // Cache file. `key` is a hash of everything that the entries depend on. ReadVolumeBook() returns
 // nothing if the file is absent, damaged, of another version or has another key.

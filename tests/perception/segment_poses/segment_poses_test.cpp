@@ -113,8 +113,8 @@ TEST(VolumeCodebook, FindsThePoseOfNewViews) {
     ++shown;
     const CompletedVolume volume = completer->Complete(view);
     const Pose X_CF = *VolumeFrame(volume);
-    for (const VolumeMatch& match : NearestVolumes(book, volume, X_CF, 10)) {
-      if (distance(X_CF * match.X_FO, labelled.instances[0].X_CO) > 0.25) continue;
+    for (const Pose& X_FO : NearestVolumes(book, volume, X_CF, 10)) {
+      if (distance(X_CF * X_FO, labelled.instances[0].X_CO) > 0.25) continue;
       ++found;
       break;
     }
