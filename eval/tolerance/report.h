@@ -3,7 +3,7 @@
 // Tables and files of a tolerance map.
 //
 //   FOLDER/tolerance.yaml   the settings
-//   FOLDER/samples.csv        every execution, see eval/tolerance/samples.h
+//   FOLDER/samples.csv      every execution, see eval/tolerance/samples.h
 //   FOLDER/axes.csv         success by error along each axis, with intervals
 //   FOLDER/pairs.csv        success by errors along pairs of axes, if requested
 //   FOLDER/predictors.csv   AUC of each score, with intervals

@@ -28,9 +28,9 @@ std::string IdentityLine(const ToleranceStudy& study) {
       fmt::format("{:016x} {} {}\n", object.mesh_hash, object.mass.mass_kg, object.friction);
   text += gripper.SettingsText();
   text += WriteSettingsKey([&](SettingsVisitor& v) { options.Visit(v); });
-  for (const PlannedSample& t : study.samples) {
-    const Pose X_WG = study.table.places[study.grasps[t.grasp].place].scene.objects[0].X_WO *
-                      t.X_OO * study.grasps[t.grasp].candidate.X_OG;
+  for (const PlannedSample& sample : study.samples) {
+    const Pose X_WG = study.table.places[study.grasps[sample.grasp].place].scene.objects[0].X_WO *
+                      sample.X_OE * study.grasps[sample.grasp].candidate.X_OG;
     text.append(reinterpret_cast<const char*>(X_WG.data()), 16 * sizeof(double));
   }
   return fmt::format("# {}: {} {} {:016x}\n", kVersion, object.name, gripper.name,
@@ -38,15 +38,17 @@ std::string IdentityLine(const ToleranceStudy& study) {
 }
 
 std::string Row(const ToleranceStudy& study, int index, const SampleOutcome& outcome) {
-  const PlannedSample& t = study.samples[index];
-  const auto axis = [&](int i) { return t.axis[i] < 0 ? "" : ErrorAxisTable()[t.axis[i]].name; };
-  const PoseOffset e = ToPoseOffset(t.X_OO);
+  const PlannedSample& sample = study.samples[index];
+  const auto axis = [&](int i) {
+    return sample.axis[i] < 0 ? "" : ErrorAxisTable()[sample.axis[i]].name;
+  };
+  const PoseOffset e = ToPoseOffset(sample.X_OE);
   const double mm = 1e3, deg = kDegreesPerRadian;
   return fmt::format("{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{}\n",
-                     index, TryKindName(t.kind), axis(0), t.level[0], axis(1), t.level[1],
-                     study.grasps[t.grasp].place, t.grasp, mm * e[0], mm * e[1], mm * e[2],
-                     deg * e[3], deg * e[4], deg * e[5], outcome.success ? 1 : 0,
-                     FailureName(outcome.failure));
+                     index, SampleKindName(sample.kind), axis(0), sample.level[0], axis(1),
+                     sample.level[1], study.grasps[sample.grasp].place, sample.grasp, mm * e[0],
+                     mm * e[1], mm * e[2], deg * e[3], deg * e[4], deg * e[5],
+                     outcome.success ? 1 : 0, FailureName(outcome.failure));
 }
 
 // Outcomes of all complete lines. A line that was cut off by a kill has no line end and is ignored.
@@ -101,9 +103,9 @@ std::vector<std::optional<SampleOutcome>> KeptOutcomes(const ToleranceStudy& stu
 std::string ReplyOf(const ToleranceStudy& study, const std::vector<int>& samples) {
   std::string reply;
   for (const int index : samples) {
-    const PlannedSample& t = study.samples[index];
-    const GraspOutcome outcome =
-        ExecuteWithError(study.table, study.grasps[t.grasp], t.X_OO, study.options.execute);
+    const PlannedSample& sample = study.samples[index];
+    const GraspOutcome outcome = ExecuteWithError(study.table, study.grasps[sample.grasp],
+                                                  sample.X_OE, study.options.execute);
     reply +=
         fmt::format("{} {} {}\n", index, outcome.success ? 1 : 0, FailureName(outcome.failure));
   }

@@ -77,17 +77,17 @@ class Planner {
       PoseOffset error;
       error << steps * options_.step_mm * kMm * direction.head<3>(),
           steps * options_.step_deg * kDegree * direction.tail<3>();
-      PlannedSample t;
-      t.kind = kind;
-      t.grasp = first_grasp + i % grasps;
-      t.X_OO = TurnedAbout(study_.model.surface_mean_O, error);
-      study_.samples.push_back(t);
+      PlannedSample sample;
+      sample.kind = kind;
+      sample.grasp = first_grasp + i % grasps;
+      sample.X_OE = TurnedAbout(study_.model.surface_mean_O, error);
+      study_.samples.push_back(sample);
     }
   }
 
  private:
   void Add(SampleKind kind, std::array<int, 2> axis, std::array<int, 2> level, int grasp) {
-    PlannedSample t{kind, axis, level, grasp, Pose::Identity()};
+    PlannedSample sample{kind, axis, level, grasp, Pose::Identity()};
     PoseOffset error = PoseOffset::Zero();
     for (int i = 0; i < 2; ++i) {
       if (axis[i] < 0) continue;
@@ -96,9 +96,9 @@ class Planner {
       error[row.coordinate] = level[i] * step * row.per_unit_si;
     }
     const Pose& X_OG = study_.grasps[grasp].candidate.X_OG;
-    t.X_OO = kAxes[axis[0]].of_grasp ? X_OG * ToPose(error) * X_OG.inverse()
-                                     : TurnedAbout(study_.model.surface_mean_O, error);
-    study_.samples.push_back(t);
+    sample.X_OE = kAxes[axis[0]].of_grasp ? X_OG * ToPose(error) * X_OG.inverse()
+                                          : TurnedAbout(study_.model.surface_mean_O, error);
+    study_.samples.push_back(sample);
   }
 
   ToleranceStudy& study_;
@@ -124,7 +124,7 @@ int ErrorAxisNamed(const std::string& name) {
   throw InputError(UnknownNameMessage("error axis", name, names));
 }
 
-const char* TryKindName(SampleKind kind) {
+const char* SampleKindName(SampleKind kind) {
   constexpr const char* kNames[] = {"axis", "pair", "fit", "test"};
   return kNames[static_cast<int>(kind)];
 }
@@ -208,9 +208,9 @@ ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> object,
   return study;
 }
 
-PoseOffset ErrorInG(const ToleranceStudy& study, const PlannedSample& t) {
-  const Pose& X_OG = study.grasps[t.grasp].candidate.X_OG;
-  return ToPoseOffset(X_OG.inverse() * NearestError(study.model, t.X_OO) * X_OG);
+PoseOffset ErrorInG(const ToleranceStudy& study, const PlannedSample& sample) {
+  const Pose& X_OG = study.grasps[sample.grasp].candidate.X_OG;
+  return ToPoseOffset(X_OG.inverse() * NearestError(study.model, sample.X_OE) * X_OG);
 }
 
 }  // namespace pickbed::eval

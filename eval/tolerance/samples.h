@@ -65,7 +65,7 @@ ToleranceOptions QuickOptions();
 // Purpose of a sample: curve of an axis, map of a pair, fit of the model, test of scores.
 enum class SampleKind { kAxis, kPair, kFit, kTest };
 // Returns the name of a kind in samples.csv.
-const char* TryKindName(SampleKind kind);
+const char* SampleKindName(SampleKind kind);
 
 // One execution.
 struct PlannedSample {
@@ -73,7 +73,7 @@ struct PlannedSample {
   std::array<int, 2> axis{-1, -1};  // indices of ErrorAxisTable(); -1 = none
   std::array<int, 2> level{0, 0};   // steps along each axis
   int grasp = 0;
-  Pose X_OO = Pose::Identity();  // pose of the estimated object in the true object
+  Pose X_OE = Pose::Identity();  // estimated object frame E in the true one
 };
 
 // Result of one execution.
@@ -98,7 +98,7 @@ ToleranceStudy PlanStudy(std::shared_ptr<const ObjectModel> object,
                          std::vector<GraspCandidate> candidates, const ToleranceOptions& options);
 
 // Pose error of a sample in G, relative to the nearest symmetric pose.
-PoseOffset ErrorInG(const ToleranceStudy& study, const PlannedSample& t);
+PoseOffset ErrorInG(const ToleranceStudy& study, const PlannedSample& sample);
 
 // Callbacks of ExecuteStudy. `before` is the number of samples from earlier runs.
 struct StudyListener {

@@ -53,8 +53,8 @@ class Reader {
   LevelShare AtTruth() const {
     LevelShare share;
     for (size_t i = 0; i < study_.samples.size(); ++i) {
-      const PlannedSample& t = study_.samples[i];
-      if (t.kind == SampleKind::kAxis && t.level[0] == 0) Count(i, share);
+      const PlannedSample& sample = study_.samples[i];
+      if (sample.kind == SampleKind::kAxis && sample.level[0] == 0) Count(i, share);
     }
     return share;
   }
@@ -69,9 +69,10 @@ class Reader {
     }
     curve.levels[options_.steps] = at_truth;
     for (size_t i = 0; i < study_.samples.size(); ++i) {
-      const PlannedSample& t = study_.samples[i];
-      if (t.kind != SampleKind::kAxis || t.axis[0] != axis || t.level[0] == 0) continue;
-      Count(i, curve.levels[t.level[0] + options_.steps]);
+      const PlannedSample& sample = study_.samples[i];
+      if (sample.kind != SampleKind::kAxis || sample.axis[0] != axis || sample.level[0] == 0)
+        continue;
+      Count(i, curve.levels[sample.level[0] + options_.steps]);
     }
     curve.region = RegionOf(curve.levels, options_.keep_share * at_truth.share());
     return curve;
@@ -87,10 +88,10 @@ class Reader {
     }
     map.cells.resize(map.offsets_a.size() * map.offsets_b.size());
     for (size_t i = 0; i < study_.samples.size(); ++i) {
-      const PlannedSample& t = study_.samples[i];
-      if (t.kind != SampleKind::kPair || t.axis != pair) continue;
-      const int a = t.level[0] / options_.pair_stride + side;
-      const int b = t.level[1] / options_.pair_stride + side;
+      const PlannedSample& sample = study_.samples[i];
+      if (sample.kind != SampleKind::kPair || sample.axis != pair) continue;
+      const int a = sample.level[0] / options_.pair_stride + side;
+      const int b = sample.level[1] / options_.pair_stride + side;
       Count(i, map.cells[b * map.offsets_a.size() + a]);
     }
     return map;
@@ -115,9 +116,9 @@ class Reader {
     std::vector<JudgedPick> picks;
     for (size_t i = 0; i < study_.samples.size(); ++i) {
       if (study_.samples[i].kind != SampleKind::kTest) continue;
-      const PlannedSample& t = study_.samples[i];
-      picks.push_back({t.X_OO, outcomes_[i].success, first_alike_[t.grasp],
-                       study_.grasps[t.grasp].candidate.X_OG});
+      const PlannedSample& sample = study_.samples[i];
+      picks.push_back({sample.X_OE, outcomes_[i].success, first_alike_[sample.grasp],
+                       study_.grasps[sample.grasp].candidate.X_OG});
     }
     return picks;
   }

@@ -78,16 +78,17 @@ TEST(ToleranceStudy, ErrorsFollowTheirAxes) {
   const ToleranceStudy study = Study(Small());
   const Pose X_OG = study.grasps[0].candidate.X_OG;
   int axis_samples = 0;
-  for (const PlannedSample& t : study.samples) {
-    if (t.kind != SampleKind::kAxis) continue;
+  for (const PlannedSample& sample : study.samples) {
+    if (sample.kind != SampleKind::kAxis) continue;
     ++axis_samples;
-    const ErrorAxis& axis = ErrorAxisTable()[t.axis[0]];
-    const PoseOffset error = ToPoseOffset(axis.of_grasp ? X_OG.inverse() * t.X_OO * X_OG : t.X_OO);
+    const ErrorAxis& axis = ErrorAxisTable()[sample.axis[0]];
+    const PoseOffset error =
+        ToPoseOffset(axis.of_grasp ? X_OG.inverse() * sample.X_OE * X_OG : sample.X_OE);
     const double step = axis.coordinate < 3 ? 0.0012 : 5 * std::numbers::pi / 180;
     PoseOffset expected = PoseOffset::Zero();
-    expected[axis.coordinate] = t.level[0] * step;
+    expected[axis.coordinate] = sample.level[0] * step;
     // The center of the box's surface is at the origin of O.
-    EXPECT_LT((error - expected).norm(), 1e-9) << axis.name << " " << t.level[0];
+    EXPECT_LT((error - expected).norm(), 1e-9) << axis.name << " " << sample.level[0];
   }
   EXPECT_EQ(axis_samples, 12 * 6 + 1);
 }
