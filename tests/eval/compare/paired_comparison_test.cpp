@@ -247,7 +247,9 @@ TEST(ComparePaired, ErrorsUseOnlyInstancesThatBothRunsFound) {
 
 TEST(ComparePaired, EqualRunsHaveNoDifference) {
   const auto run = OnePickRun({0, 1, 2, 3});
-  for (const PairedStatistic& statistic : ComparePaired(run, run).statistics) {
+  const PairedComparison comparison = ComparePaired(run, run);
+  ASSERT_FALSE(comparison.statistics.empty());
+  for (const PairedStatistic& statistic : comparison.statistics) {
     EXPECT_EQ(statistic.difference(), 0) << statistic.key;
     EXPECT_EQ(statistic.p_value, 1) << statistic.key;
     EXPECT_FALSE(statistic.scenes_needed) << statistic.key;

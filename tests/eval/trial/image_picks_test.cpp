@@ -61,7 +61,9 @@ TEST(ImagePickTrial, OneImageServesSeveralPicksOfInstancesThatDidNotMove) {
 }
 
 TEST(ImagePickTrial, DefaultCapturesAnImageForEachPick) {
-  for (const AttemptRecord& attempt : RunCubes(CubeScenario(4)).attempts) {
+  const TrialResult result = RunCubes(CubeScenario(4));
+  ASSERT_GT(result.attempts.size(), 1u);
+  for (const AttemptRecord& attempt : result.attempts) {
     EXPECT_TRUE(attempt.has_own_image());
   }
 }

@@ -60,7 +60,10 @@ TEST(Smoothed, KeepsTheSumAwayFromTheBorderAndSoftensEdges) {
 
 TEST(ShellOf, IsTheOutermostLayerOfTheCells) {
   const OccupancyShape shape = BoxShape({0.04, 0.03, 0.02}, Pose::Identity(), 32);
-  for (const Vector3d& p : ShellOf(shape, 0.5)) {
+  const std::vector<Vector3d> shell = ShellOf(shape, 0.5);
+  // The box has 24 x 18 x 12 cells of 1.625 mm.
+  EXPECT_EQ(shell.size(), 24u * 18 * 12 - 22u * 16 * 10);
+  for (const Vector3d& p : shell) {
     const double outside = (p.cwiseAbs() - Vector3d(0.02, 0.015, 0.01)).maxCoeff();
     EXPECT_LT(outside, 0);
     EXPECT_GT(outside, -1.01 * shape.cell_m);

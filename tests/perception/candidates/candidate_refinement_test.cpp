@@ -58,14 +58,17 @@ class RefinedCandidates : public testing::Test {
 TEST_F(RefinedCandidates, EveryVisibleInstanceHasACandidate) {
   const PoseDistance distance(*views_.objects()[0]);
   const std::vector<Candidate> candidates = RefineCandidates({});
+  int visible = 0;
   for (const LabelledInstance& instance : view_.instances) {
     if (instance.visible_fraction < 0.3) continue;
+    ++visible;
     const bool found =
         std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
           return distance(candidate.hypothesis.X_CO, instance.X_CO) < 0.05;
         });
     EXPECT_TRUE(found);
   }
+  EXPECT_GT(visible, 0);
 }
 
 // Without a verifier, evidence already ranks right poses above wrong ones.

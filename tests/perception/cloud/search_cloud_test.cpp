@@ -55,8 +55,14 @@ TEST(BinnedFrame, AStepStaysAStep) {
     for (int x = 5; x < 10; ++x) frame.depth_m(x, y) = 1.0f;
   }
   const RgbdFrame binned = BinnedFrame(frame, 2);  // the step is inside the third block
-  for (const float z : binned.depth_m.pixels()) {
-    EXPECT_TRUE(std::abs(z - 0.9f) < 1e-6f || std::abs(z - 1.0f) < 1e-6f) << z;
+  ASSERT_EQ(binned.depth_m.width(), 5);
+  ASSERT_EQ(binned.depth_m.height(), 5);
+  for (int y = 0; y < 5; ++y) {
+    for (int x = 0; x < 5; ++x) {
+      const float z = binned.depth_m(x, y);
+      const bool near = std::abs(z - 0.9f) < 1e-6f, far = std::abs(z - 1.0f) < 1e-6f;
+      EXPECT_TRUE(x < 2 ? near : x > 2 ? far : near || far) << x << " " << z;
+    }
   }
 }
 

@@ -106,6 +106,7 @@ TEST(RenderOutputs, PlaneNormalsFaceTheCamera) {
         TestCamera(60, 50, 80), std::vector{RenderInstance{mesh, X_CO, 1}}, {}, kAllOutputs);
     Eigen::Vector3d expected = X_CO.linear().col(2);
     if (expected.z() > 0) expected = -expected;
+    ASSERT_FALSE(image.normals_C.empty());
     for (const Eigen::Vector3f& n : image.normals_C.pixels()) {
       ASSERT_LT((n.cast<double>() - expected).norm(), 1e-3);
     }

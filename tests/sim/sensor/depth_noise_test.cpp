@@ -164,8 +164,9 @@ TEST(SensorNoise, ReadingsAreMultiplesOfTheStep) {
   const SensorProfile profile =
       Only([](SensorProfile& p) { p.quantization_m = 0.0005, p.axial_sigma_m = 0.001; });
   Rng rng(9);
-  const Image<float> noisy = Sensed(Flat(0.83), profile, rng);
+  const Image<float> noisy = Sensed(Flat(0.8302), profile, rng);  // between two steps
   for (const float z : noisy.pixels()) {
+    ASSERT_NEAR(z, 0.8302, 0.01);
     ASSERT_NEAR(z / 0.0005, std::round(z / 0.0005), 1e-3);
   }
 }
