@@ -22,10 +22,10 @@ class SolidColumns {
 
  private:
   struct Crossing {
-    double z;
+    double z_m;
     int sign;  // +1 where the column leaves the solid upwards, -1 where it enters
   };
-  double low_x_ = 0, low_y_ = 0, cell_ = 0;
+  double low_x_m_ = 0, low_y_m_ = 0, cell_m_ = 0;
   int columns_x_ = 0, columns_y_ = 0;
   double orientation_ = 1;
   std::vector<std::vector<Crossing>> columns_;
