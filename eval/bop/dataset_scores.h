@@ -42,8 +42,8 @@ int MaxEstimatesOf(const std::filesystem::path& root);
 
 // Scores `estimates` on the images of a split. `on_scene` is called before each scene with its
 // folder. Throws InputError for a broken data set, a split without scenes, and targets without
-// ground truth. Throws also for an object that models_info.json does not have, in
-// `estimates` or `tolerances`, and for a tolerance model of another mesh.
+// ground truth. Throws also for an object that models_info.json does not have, in `estimates` or
+// `tolerances`, and for a tolerance model of another mesh.
 DatasetScores EvaluateDataset(const std::filesystem::path& root, const std::string& split,
                               const std::vector<DatasetEstimate>& estimates,
                               const ScoreOptions& options = {},

@@ -27,8 +27,8 @@ std::string CurrentLabel(const std::string& label);
 
 // Parses the labels. Each result is `base` with the name, mode and model of the label. A label
 // without a model uses the model of `base` if the names are equal, else the shipped model; the same
-// holds for the calibration and the kind of scores. Throws
-// InputError for unknown names, for a label that occurs twice, and for '=' without a model.
+// holds for the calibration and the kind of scores. Throws InputError for unknown names, for a
+// label that occurs twice, and for '=' without a model.
 std::vector<ComparedEstimator> ParseEstimators(const std::vector<std::string>& labels,
                                                const EstimatorSpec& base);
 

@@ -28,17 +28,15 @@ bool Interrupted();
 // its environment before main(), so its entry point is called if the process has one.
 void UseOneThread();
 
-// Memory of this process as counted by the kernel, in bytes of RAM.
-
 // Returns freed memory to the kernel, except up to 64 MiB at the end of the heap of each thread.
 // Afterwards new allocations show in the peak, independent of earlier ones.
 void ReleaseFreedMemory();
-// Resets the peak and returns the memory in use.
+// Resets the peak of the process's memory. Returns the memory in use, in bytes of RAM as counted by
+// the kernel; 0 if it does not say.
 size_t ResetPeakMemory();
-// Peak since ResetPeakMemory(), or since the start of the process if the kernel cannot reset it.
+// Returns the peak in bytes of RAM since ResetPeakMemory(), or since the start of the process if
+// the kernel cannot reset it; 0 if the kernel does not say.
 size_t PeakMemory();
-
-// Other programs, run without a shell.
 
 // Result of a child program.
 struct ProgramOutput {
@@ -46,8 +44,8 @@ struct ProgramOutput {
   std::string text;  // stdout and stderr together
 };
 
-// Runs a program from PATH and waits for its end. Throws std::runtime_error if no process can be
-// created.
+// Runs a program from PATH, without a shell, and waits for its end. `arguments` begins with the
+// name of the program. Throws std::runtime_error if no process can be created.
 ProgramOutput RunProgram(const std::vector<std::string>& arguments);
 
 // Returns true if PATH contains the program.

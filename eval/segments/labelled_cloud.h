@@ -16,9 +16,9 @@ struct LabelledCloud {
 };
 
 // Reads an organised cloud with the fields x, y, z (m, in the camera frame) and label, and
-// optionally rgb or rgba, see ReadCloudFile() and FrameOfCloud().
-// Throws InputError with the file and the reason for other files, for damaged ones, and for points
-// that no pinhole camera shows in this layout.
+// optionally rgb or rgba, see ReadCloudFile() and FrameOfCloud(). Throws InputError with the file
+// and the reason for other files, for damaged ones, and for points that no pinhole camera shows in
+// this layout.
 LabelledCloud ReadLabelledCloud(const std::filesystem::path& file);
 
 }  // namespace pickbed::eval

@@ -23,13 +23,13 @@ struct Discordance {
 // scenes. Returns the p value; 1 without discordant scenes.
 double McNemarExact(const Discordance& scenes);
 
-// Odds ratio of matched pairs: after_only / before_only, infinite if before_only is 0. The interval
-// is the exact one of Clopper and Pearson (1934) for the share. nullopt without discordant scenes.
+// Odds ratio of matched pairs: after_only / before_only, infinite if before_only is 0.
 struct OddsRatio {
   double ratio = 1;
   Interval interval;
 };
-// Computes the odds ratio and its interval.
+// Returns the odds ratio with the exact interval of Clopper and Pearson (1934) for the share of
+// after_only; nullopt without discordant scenes.
 std::optional<OddsRatio> MatchedOddsRatio(const Discordance& scenes, double confidence = 0.95);
 
 // Sign-flip test: probability of a difference at least as large as observed if the labels `before`
@@ -54,8 +54,8 @@ double PairedMedianTest(const ValueClusters& before, const ValueClusters& after,
                         uint64_t seed = 0);
 
 // Interval of the median after minus the median before: percentiles over `resamples` draws of
-// scenes with replacement (Davison and Hinkley 1997, sec. 3.8), with fewer draws as above. [-inf,
-// inf] if either has no values.
+// scenes with replacement (Davison and Hinkley 1997, sec. 3.8), with fewer draws as above.
+// [-inf, inf] if either has no values.
 Interval PairedMedianInterval(const ValueClusters& before, const ValueClusters& after,
                               double confidence = 0.95, int resamples = 2000, uint64_t seed = 0);
 

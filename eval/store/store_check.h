@@ -12,8 +12,7 @@ inline constexpr int kMaxStoredTrials = 1000000000;  // of a store; trials have 
 
 // Checks the pages of the file (up to 64 MB), its tables and columns, its configurations and
 // trials, ranges of counts and errors, and that the first and last trial of each table exist.
-// `db` has the present schema.
-// Throws InputError that names the file, the table and the row.
+// `db` has the present schema. Throws InputError that names the file, the table and the row.
 void CheckTables(const Database& db);
 
 // Checks that the rows of all tables belong together: each attempt to a trial, each hypothesis to

@@ -22,16 +22,16 @@ struct ProjectiveIcpOptions {
   int max_points = 150;  // the first of the visible points are used; at most 512
   // Added to the diagonal of the normal equations, as a share of its mean (Levenberg 1944). It
   // slows directions that few points constrain, so that the others converge first. In simulated
-  // clutter, 0.05 converges from 95 % of starts with errors of 10 degrees and 5 mm, 0.001 from 85
-  // %. Above 0.1 the result is less accurate.
+  // clutter, 0.05 converges from 95 % of starts with errors of 10 degrees and 5 mm, 0.001 from
+  // 85 %. Above 0.1 the result is less accurate.
   double damping = 0.05;
   void Visit(SettingsVisitor& v);
 };
 
 // Refines X_CO. Stops early at the last valid pose if fewer than six points have a correspondence
 // (kTooFewCorrespondences), or if a step exceeds twice the maximum correspondence distance
-// (kStepTooLarge). Inliers and residual are those within the final distance. Throws
-// InputError for options out of range.
+// (kStepTooLarge). Inliers and residual are those within the final distance. Throws InputError for
+// options out of range.
 IcpResult ProjectiveIcp(const OrganizedCloud& cloud, const ModelPoints& model, const Pose& X_CO,
                         const ProjectiveIcpOptions& options = {});
 // The same for inner loops whose options were checked before. Does not allocate.

@@ -28,9 +28,9 @@ struct LoadedScenario {
   ObjectSet objects;
 };
 // Loads the scenario file or preset, applies the settings, expands pools of objects
-// (object_pool.h) and loads its objects. Sensor, gripper
-// and model files are also searched in the scenario's folder. `on_object` is called after each
-// loaded object. Throws InputError for an unknown name or a bad value.
+// (object_pool.h) and loads its objects. Sensor, gripper and model files are also searched in the
+// scenario's folder. `on_object` is called after each loaded object. Throws InputError for an
+// unknown name or a bad value.
 LoadedScenario FindScenario(const ScenarioRequest& request, const ObjectProgress& on_object = {});
 
 // Returns the catalog of the user's own folder and, with lower priority, the shipped one.
