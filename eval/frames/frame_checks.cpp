@@ -72,7 +72,7 @@ void CheckRange(const RgbdFrame& frame, double depth_scale_mm, Readings& reading
   }
 }
 
-// The nearest and farthest readings decide, because the parts may be in any place of the image.
+// The nearest and farthest readings decide, because the objects may be anywhere in the image.
 void CheckSizes(const RgbdFrame& frame, const ObjectSet& objects, double depth_scale_mm,
                 Readings& readings, std::vector<FrameFinding>& findings) {
   constexpr double kNearShare = 0.05, kFarShare = 0.95;

@@ -153,8 +153,8 @@ std::vector<Vector3d> RestingUps(const ObjectModel& model, const AntipodalOption
   return ups_O;
 }
 
-// Adds the candidates of one lean about the closing axis. The tips are as deep as `tips_beyond_m`
-// wants and the floor permits.
+// Adds the candidates of one lean about the closing axis. The tips are `tips_beyond_m` past the
+// center of the pair, or less where the floor limits them.
 void AddLeaning(const Judge& judge, const ContactPair& pair, const Vector3d& up_O,
                 const Eigen::Matrix3d& R_OG, double center_m, std::vector<GraspCandidate>& all) {
   const AntipodalOptions& options = judge.options;

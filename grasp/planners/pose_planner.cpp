@@ -38,7 +38,7 @@ PlanResult PosePlanner::PlanInBin(const PlannerInput& input, std::vector<Eigen::
                                   const PlanOptions& options, bool knows_hidden) const {
   CheckInput(input.bin.has_value(), "planner poses needs a known bin");
   const Pose& X_WB = input.bin->X_WB;
-  // An exact cell keeps its bytes: no product with an identity.
+  // No pose is multiplied by the identity, so that results without cell errors keep their bytes.
   const bool moved = X_WB.matrix() != Pose::Identity().matrix();
   std::vector<EstimatedPose> poses(input.poses.begin(), input.poses.end());
   if (moved) MoveToBin(X_WB, poses, cloud_W);

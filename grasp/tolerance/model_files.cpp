@@ -26,7 +26,7 @@ std::string NamesOf(const ObjectSet& objects) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-// True if the place is a single model, not a folder with several.
+// Returns true if the path is a single model, not a folder with several.
 bool IsOne(const fs::path& place) {
   return !fs::is_directory(place) || fs::is_regular_file(place / kToleranceModelFile);
 }

@@ -11,7 +11,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Above the angle between facets of a circle, below the angle between sides of a prism.
 // A pipe that starts along +x, bends up about the point (0, 0, bend_radius) and ends along +z.
 struct ElbowSize {
   double radius = 12, bore = 8, bend_radius = 26;

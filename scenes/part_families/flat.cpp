@@ -11,7 +11,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kDegree = kRadiansPerDegree;
-// Above the angle between facets of a circle, below the angle between sides of a prism.
 constexpr FamilyMaterial kAluminium{2700, 0.5, {182, 186, 192}};
 constexpr FamilyMaterial kSteel{7800, 0.45, {120, 124, 130}};
 

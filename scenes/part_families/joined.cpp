@@ -11,7 +11,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Above the angle between facets of a circle, below the angle between sides of a prism.
 // One end of a connecting rod: a ring about z. Its outer side has a window where the web joins.
 struct Eye {
   Vector2d center;

@@ -168,7 +168,7 @@ void Pouring::PourAgain(const std::vector<int>& taken_out) {
 }
 
 // The upper instance of each overlapping pair, and all instances that have not come to rest.
-// Instances that fell beside the bin are not among them: they are the certificate's matter.
+// Instances that fell beside the bin are not among them, because the certificate reports them.
 std::vector<int> Pouring::Faulty() const {
   std::set<int> faulty;
   std::vector<int> poured = Poured();

@@ -47,7 +47,7 @@ TEST(ForecastQuality, TheIntervalsCoverTheTruth) {
     Rng rng(round);
     const Interval biased = QualityOf(Forecasts(kExcess, 30, rng), 200).calibration_error.ci95;
     covered += biased.low <= kExcess && kExcess <= biased.high;
-    // The true error is 0. That of a sample never is.
+    // The true error is 0, but the error of a sample is never 0.
     calibrated += QualityOf(Forecasts(0, 30, rng), 200).calibration_error.ci95.low < 0.01;
   }
   EXPECT_GE(covered, 0.85 * kRounds);

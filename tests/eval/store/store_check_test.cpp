@@ -28,7 +28,7 @@ class StoreCheck : public testing::Test {
   void Edit(const std::string& sql) const {
     Database(temporary_.path() / kStoreFile, Database::Mode::kExisting).Execute(sql);
   }
-  // Return the message, empty = the store is accepted.
+  // Returns the message, empty = the store is accepted.
   std::string ErrorAtReading() const {
     return Refusal([&] { ResultsStore::OpenToRead(temporary_.path()).ReadAll(); });
   }
