@@ -90,9 +90,9 @@ Camera GraspCamera(const Vector3d& target, const Vector3d& from, double distance
 }
 
 // Renderer of the object in gray and of hands in their colors.
-class GraspStudio {
+class GraspRenderer {
  public:
-  GraspStudio(const ObjectModel& model, const std::vector<TriangleMesh>& hands) {
+  GraspRenderer(const ObjectModel& model, const std::vector<TriangleMesh>& hands) {
     // The object is drawn without its own colors, which would look like qualities.
     TriangleMesh object;
     object.vertices = model.mesh_O.vertices;
@@ -192,10 +192,10 @@ Image<Rgb8> GraspSheet(const ObjectModel& model, const Gripper& gripper,
     epsilon.push_back(candidate.epsilon);
   }
   const double top = std::max(1e-3, *std::max_element(epsilon.begin(), epsilon.end()));
-  GraspStudio studio(model, best), studio_of_all(model, of_all);
+  GraspRenderer of_best(model, best), of_all_grasps(model, of_all);
   const Image<Rgb8> sheet = ContactSheet(
-      {studio.Observation({1, -1.3, 0.9}), studio.Observation({-1.2, 1, 0.5}),
-       studio_of_all.Observation({1, -1.3, 0.9}),
+      {of_best.Observation({1, -1.3, 0.9}), of_best.Observation({-1.2, 1, 0.5}),
+       of_all_grasps.Observation({1, -1.3, 0.9}),
        Histogram(robust, 1, "robust: share of sampled errors survived"),
        Histogram(epsilon, top, "epsilon: smallest wrench that breaks the grasp, in object weights"),
        Histogram(quality, 1, "quality of the contacts")},

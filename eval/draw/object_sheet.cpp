@@ -34,9 +34,9 @@ Rgb8 PieceColor(int i) {
   return {pixel(0, 0)[0], pixel(0, 0)[1], pixel(0, 0)[2]};
 }
 
-class ObjectStudio {
+class ObjectTiles {
  public:
-  explicit ObjectStudio(const MadeObject& made) : made_(made), model_(made.model) {
+  explicit ObjectTiles(const MadeObject& made) : made_(made), model_(made.model) {
     center_O_ = MeshBounds(model_.mesh_O).center();
     distance_m_ = kDistance * model_.diameter_m;
     mesh_ = renderer_.AddMesh(model_.mesh_O);
@@ -73,7 +73,7 @@ class ObjectStudio {
   std::vector<std::string> captions_;
 };
 
-void ObjectStudio::AddViews() {
+void ObjectTiles::AddViews() {
   const Vector3d size_mm = 1e3 * MeshBounds(model_.mesh_O).size();
   const std::array<std::pair<Vector3d, std::string>, 3> views{
       {{{1, -1.3, 0.9},
@@ -87,7 +87,7 @@ void ObjectStudio::AddViews() {
 }
 
 // Continuous symmetry axes are red, axes of discrete rotations blue.
-void ObjectStudio::AddSymmetries() {
+void ObjectTiles::AddSymmetries() {
   const Camera camera = ObjectCamera(center_O_, {1, -1.3, 0.9}, distance_m_);
   Image<Rgb8> tile = Picture(camera, {{mesh_, Pose::Identity(), 1}});
   cv::Mat canvas(tile.height(), tile.width(), CV_8UC3, tile.data());
@@ -110,7 +110,7 @@ void ObjectStudio::AddSymmetries() {
   Add(std::move(tile), SymmetryText(model_.symmetries_O));
 }
 
-void ObjectStudio::AddPieces() {
+void ObjectTiles::AddPieces() {
   std::vector<RenderInstance> together, apart;
   for (size_t i = 0; i < model_.convex_pieces_O.size(); ++i) {
     const ConvexHull hull = MakeConvexHull(model_.convex_pieces_O[i].vertices_O);
@@ -131,7 +131,7 @@ void ObjectStudio::AddPieces() {
                   100 * made_.quality.volume_error));
 }
 
-void ObjectStudio::AddResting() {
+void ObjectTiles::AddResting() {
   Bin table;
   table.inner_size_m = {2 * model_.diameter_m, 2 * model_.diameter_m, 0};
   const int table_mesh = renderer_.AddMesh(BinMesh(table));
@@ -186,12 +186,12 @@ std::string FoldText(const std::vector<Pose>& rotations) {
 }  // namespace
 
 Image<Rgb8> ObjectSheet(const MadeObject& made) {
-  ObjectStudio studio(made);
-  studio.AddViews();
-  studio.AddSymmetries();
-  studio.AddPieces();
-  studio.AddResting();
-  return studio.Sheet();
+  ObjectTiles tiles(made);
+  tiles.AddViews();
+  tiles.AddSymmetries();
+  tiles.AddPieces();
+  tiles.AddResting();
+  return tiles.Sheet();
 }
 
 std::string SymmetryText(const SymmetrySet& symmetries) {

@@ -15,41 +15,42 @@ constexpr double kWantedPrecision = 0.95;
 constexpr int kReliabilityBins = 10;
 
 // A reported pose.
-struct Claim {
+struct ReportedPose {
   double score = 0;
   bool right = false;   // correct, and the first pose of its instance
   bool counts = false;  // its instance is to be found
 };
 
 // Recall counts only instances to be found. Precision counts all poses.
-double RecallAtPrecision(std::vector<Claim> claims, int wanted) {
-  std::stable_sort(claims.begin(), claims.end(),
-                   [](const Claim& a, const Claim& b) { return a.score > b.score; });
+double RecallAtPrecision(std::vector<ReportedPose> reported_poses, int wanted) {
+  std::stable_sort(reported_poses.begin(), reported_poses.end(),
+                   [](const ReportedPose& a, const ReportedPose& b) { return a.score > b.score; });
   int right = 0, found = 0;
   double best = 0;
-  for (size_t i = 0; i < claims.size(); ++i) {
-    right += claims[i].right;
-    found += claims[i].counts;
+  for (size_t i = 0; i < reported_poses.size(); ++i) {
+    right += reported_poses[i].right;
+    found += reported_poses[i].counts;
     // A threshold cannot separate equal scores.
-    if (i + 1 < claims.size() && claims[i + 1].score == claims[i].score) continue;
+    if (i + 1 < reported_poses.size() && reported_poses[i + 1].score == reported_poses[i].score)
+      continue;
     if (right >= kWantedPrecision * static_cast<double>(i + 1)) best = found;
   }
   return wanted > 0 ? best / wanted : 0;
 }
 
 // Expected calibration error (Naeini, Cooper and Hauskrecht 2015).
-void Calibrate(const std::vector<Claim>& claims, ComparisonStatistics& statistics) {
+void Calibrate(const std::vector<ReportedPose>& reported_poses, ComparisonStatistics& statistics) {
   statistics.reliability.resize(kReliabilityBins);
-  for (const Claim& claim : claims) {
+  for (const ReportedPose& pose : reported_poses) {
     const int bin =
-        std::clamp(static_cast<int>(claim.score * kReliabilityBins), 0, kReliabilityBins - 1);
-    statistics.reliability[bin].score_sum += claim.score;
+        std::clamp(static_cast<int>(pose.score * kReliabilityBins), 0, kReliabilityBins - 1);
+    statistics.reliability[bin].score_sum += pose.score;
     ++statistics.reliability[bin].count;
-    statistics.reliability[bin].right += claim.right;
+    statistics.reliability[bin].right += pose.right;
   }
   for (const ReliabilityBin& bin : statistics.reliability) {
-    if (claims.empty()) break;
-    statistics.calibration_error += std::abs(bin.score_sum - bin.right) / claims.size();
+    if (reported_poses.empty()) break;
+    statistics.calibration_error += std::abs(bin.score_sum - bin.right) / reported_poses.size();
   }
 }
 
@@ -90,7 +91,7 @@ std::optional<double> TopPickChance(const ComparedRow& row) {
 ComparisonStatistics StatisticsOf(const ComparedRow& row, std::optional<ObjectId> object) {
   ComparisonStatistics statistics;
   statistics.bands = EmptyRecallBands();
-  std::vector<Claim> claims;
+  std::vector<ReportedPose> reported_poses;
   ValueClusters rotations_deg, mssds;  // by bin
   int far_off = 0, standing = 0;
   for (const ComparedImage& compared : row.images) {
@@ -107,7 +108,7 @@ ComparisonStatistics StatisticsOf(const ComparedRow& row, std::optional<ObjectId
       const int taken = hypothesis.recalled;
       const bool counts =
           taken >= 0 && image.instances[taken].visible_fraction >= kCountedVisibility;
-      claims.push_back({pose.score, taken >= 0, counts});
+      reported_poses.push_back({pose.score, taken >= 0, counts});
       ++statistics.poses;
       statistics.right += taken >= 0;
       statistics.identity_right +=
@@ -123,8 +124,8 @@ ComparisonStatistics StatisticsOf(const ComparedRow& row, std::optional<ObjectId
       statistics.stages[stage] += seconds / static_cast<double>(row.images.size());
     }
   }
-  statistics.recall_at_95 = RecallAtPrecision(claims, statistics.instances);
-  Calibrate(claims, statistics);
+  statistics.recall_at_95 = RecallAtPrecision(reported_poses, statistics.instances);
+  Calibrate(reported_poses, statistics);
   statistics.top_pick_chance = TopPickChance(row);
   statistics.share_over_15_deg = standing > 0 ? static_cast<double>(far_off) / standing : 0;
   statistics.median_rotation_deg = MedianWithin(rotations_deg);

@@ -64,14 +64,14 @@ std::string LinkTo(const fs::path& file, const ReportOptions& options) {
 }
 
 // Configurations of all runs in one list, with unique names.
-struct Contestants {
+struct AllConfigurations {
   std::vector<const ReportRun*> runs;
   std::vector<const ReportConfiguration*> configurations;
   std::vector<ConfigurationTrials> trials;  // moved out of the runs, because they can be large
 };
 
-Contestants ContestantsOf(const std::vector<ReportRun*>& runs) {
-  Contestants all;
+AllConfigurations AllConfigurationsOf(const std::vector<ReportRun*>& runs) {
+  AllConfigurations all;
   for (ReportRun* run : runs) {
     for (ReportConfiguration& configuration : run->configurations) {
       all.runs.push_back(run);
@@ -86,7 +86,8 @@ Contestants ContestantsOf(const std::vector<ReportRun*>& runs) {
   return all;
 }
 
-void AddGallery(const Contestants& all, const ReportOptions& options, ReportContents& contents) {
+void AddGallery(const AllConfigurations& all, const ReportOptions& options,
+                ReportContents& contents) {
   const std::vector<FailedPick> failed = FailedPicksOf(all.trials);
   contents.failed_picks = static_cast<int>(failed.size());
   double bytes = 0;
@@ -118,7 +119,7 @@ void AddGallery(const Contestants& all, const ReportOptions& options, ReportCont
   }
 }
 
-std::string ViewTitle(const Contestants& all, const ViewChoice& choice) {
+std::string ViewTitle(const AllConfigurations& all, const ViewChoice& choice) {
   const ConfigurationTrials& configuration = all.trials[choice.configuration];
   const AttemptRecord& pick = configuration.trials[choice.trial].attempts[choice.attempt];
   const std::string outcome = pick.failure == FailureReason::kNone
@@ -140,8 +141,8 @@ std::string LeftOutText(size_t shown, const char* what, double limit_mb) {
              : fmt::format("No {} is shown, because the first one is too large: {}", what, limit);
 }
 
-void AddViews(const Contestants& all, const ObjectCatalog& catalog, const ReportOptions& options,
-              ReportContents& contents) {
+void AddViews(const AllConfigurations& all, const ObjectCatalog& catalog,
+              const ReportOptions& options, ReportContents& contents) {
   std::map<size_t, std::unique_ptr<ViewMaker>> makers;  // by configuration
   double bytes = 0;
   try {
@@ -169,7 +170,7 @@ void AddViews(const Contestants& all, const ObjectCatalog& catalog, const Report
 }
 
 // Adds picks that the run recorded: failures first, and one success.
-void AddAnimatedPicks(const Contestants& all, const ReportOptions& options,
+void AddAnimatedPicks(const AllConfigurations& all, const ReportOptions& options,
                       ReportContents& contents) {
   const auto file_of = [&](const ViewChoice& choice) {
     const TrialResult& trial = all.trials[choice.configuration].trials[choice.trial];
@@ -196,7 +197,7 @@ void AddAnimatedPicks(const Contestants& all, const ReportOptions& options,
 }
 
 // Returns the overlay of the first attempt of the first bin, if the run drew it and it is readable.
-std::string FirstOverlay(const Contestants& all, const ReportOptions& options) {
+std::string FirstOverlay(const AllConfigurations& all, const ReportOptions& options) {
   constexpr int kWidth_px = 1000;
   const int trial = all.trials.front().trials.front().trial;
   return JpegOf(OverlayFile(*all.runs.front(), trial, 0), kWidth_px, options.picture.quality);
@@ -211,7 +212,8 @@ std::string FillOf(const ScenarioSpec& spec, const ObjectCatalog& catalog) {
   }
 }
 
-void AddScenarios(const Contestants& all, const ReportOptions& options, ReportContents& contents) {
+void AddScenarios(const AllConfigurations& all, const ReportOptions& options,
+                  ReportContents& contents) {
   for (size_t i = 0; i < all.runs.size(); ++i) {
     const ReportRun& run = *all.runs[i];
     const bool has_file = run.configurations.size() == 1;
@@ -222,7 +224,7 @@ void AddScenarios(const Contestants& all, const ReportOptions& options, ReportCo
 }
 
 // Adds the forecasts of the tolerance maps to each configuration, by the maps of its gripper.
-void AddForecasts(const Contestants& all, const ObjectCatalog& catalog,
+void AddForecasts(const AllConfigurations& all, const ObjectCatalog& catalog,
                   const ReportOptions& options, ReportContents& contents) {
   if (options.tolerance.empty()) return;
   for (size_t i = 0; i < contents.configurations.size(); ++i) {
@@ -233,8 +235,8 @@ void AddForecasts(const Contestants& all, const ObjectCatalog& catalog,
   }
 }
 
-std::string PageOf(const Contestants& all, ReportContents contents, const ObjectCatalog& catalog,
-                   const ReportOptions& options) {
+std::string PageOf(const AllConfigurations& all, ReportContents contents,
+                   const ObjectCatalog& catalog, const ReportOptions& options) {
   contents.configurations = ReportOn(all.trials, options);
   AddForecasts(all, catalog, options, contents);
   contents.overlay_jpeg = FirstOverlay(all, options);
@@ -270,7 +272,7 @@ ScenarioSpec SpecOf(const StoredConfiguration& configuration, size_t configurati
   return LoadScenarioText(configuration.settings, folder, (folder / kStoreFile).string());
 }
 
-std::vector<PairedConfiguration> PairedConfigurationsOf(const Contestants& all) {
+std::vector<PairedConfiguration> PairedConfigurationsOf(const AllConfigurations& all) {
   std::vector<PairedConfiguration> configurations;
   for (size_t i = 0; i < all.trials.size(); ++i) {
     configurations.push_back({&all.trials[i], all.configurations[i]->identity});
@@ -348,7 +350,7 @@ ReportRun ReadReportRun(const fs::path& folder) {
 
 std::string RunReportPage(ReportRun run, const ObjectCatalog& catalog,
                           const ReportOptions& options) {
-  const Contestants all = ContestantsOf({&run});
+  const AllConfigurations all = AllConfigurationsOf({&run});
   ReportContents contents;
   contents.title = fmt::format("Pick report: {}", run.name);
   if (run.configurations.size() == 1)
@@ -365,7 +367,7 @@ RunComparison CompareRuns(ReportRun a, ReportRun b, const ObjectCatalog& catalog
                           const ReportOptions& options) {
   CheckInput(a.name != b.name, fmt::format("{} is named twice; name two runs", a.name));
   const std::vector<PointPair> pairs = PairsOf(a, b);
-  const Contestants all = ContestantsOf({&a, &b});
+  const AllConfigurations all = AllConfigurationsOf({&a, &b});
   const std::vector<PairedConfiguration> configurations = PairedConfigurationsOf(all);
   ReportContents contents;
   contents.title = fmt::format("{} compared with {}", b.name, a.name);

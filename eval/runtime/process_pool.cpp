@@ -28,10 +28,10 @@
 namespace pickbed::eval {
 namespace {
 
-constexpr int kPollMs = 200;                            // poll interval at which `stop` is checked
-constexpr int kNoItem = -1;                             // item of an idle worker
-constexpr std::chrono::seconds kFarewell{10};           // for idle workers to end
-constexpr std::chrono::milliseconds kFarewellCheck{1};  // poll interval in this time
+constexpr int kPollMs = 200;                      // poll interval at which `stop` is checked
+constexpr int kNoItem = -1;                       // item of an idle worker
+constexpr std::chrono::seconds kEndLimit{10};     // for idle workers to end
+constexpr std::chrono::milliseconds kEndPoll{1};  // poll interval in this time
 
 enum class Kind : uint8_t { kReady, kDone, kSaid, kWarned, kFailed, kBadInput };
 
@@ -194,16 +194,16 @@ class Worker {
   void SetIdle() { item_ = kNoItem; }
 
   // Lets an idle worker end by itself, so that it can end programs that it started.
-  void Dismiss() {
+  void LetEnd() {
     if (idle()) close(std::exchange(socket_, -1));
   }
-  // Waits until a dismissed worker has ended, or until the deadline.
+  // Waits until a worker after LetEnd() has ended, or until the deadline.
   void WaitUntil(std::chrono::steady_clock::time_point deadline) {
     while (socket_ < 0 && pid_ > 0 && std::chrono::steady_clock::now() < deadline) {
       if (waitpid(pid_, nullptr, WNOHANG) == pid_) {
         pid_ = -1;
       } else {
-        std::this_thread::sleep_for(kFarewellCheck);
+        std::this_thread::sleep_for(kEndPoll);
       }
     }
   }
@@ -225,9 +225,9 @@ class Worker {
 };
 
 // Parent side: distributes the items and handles replies.
-class Foreman {
+class ItemDispatcher {
  public:
-  explicit Foreman(const WorkerPlan& plan) : plan_(plan) {
+  explicit ItemDispatcher(const WorkerPlan& plan) : plan_(plan) {
     for (const int item : plan.items) waiting_[GroupOf(item)].push_back(item);
     waiting_items_ = static_cast<int>(plan.items.size());
   }
@@ -238,14 +238,14 @@ class Foreman {
         report_.stopped = true;
         break;
       }
-      Hire();
+      StartWorkers();
       for (auto& worker : workers_) {
         if (worker->idle() && waiting_items_ > 0) Give(*worker);
       }
       Listen();
     }
-    for (const auto& worker : workers_) worker->Dismiss();
-    const auto deadline = std::chrono::steady_clock::now() + kFarewell;
+    for (const auto& worker : workers_) worker->LetEnd();
+    const auto deadline = std::chrono::steady_clock::now() + kEndLimit;
     for (const auto& worker : workers_) worker->WaitUntil(deadline);
     workers_.clear();
     return std::move(report_);
@@ -299,7 +299,7 @@ class Foreman {
   }
 
   // Starts workers up to the number of jobs or of remaining items.
-  void Hire() {
+  void StartWorkers() {
     const int wanted = std::min<int>(plan_.jobs, busy() + waiting_items_);
     while (static_cast<int>(workers_.size()) < wanted) {
       workers_.push_back(std::make_unique<Worker>(plan_, workers_));
@@ -316,7 +316,7 @@ class Foreman {
       if (message) {
         Take(*message, *workers_[i]);
       } else {
-        Bury(i);
+        RemoveEnded(i);
       }
     }
   }
@@ -346,7 +346,7 @@ class Foreman {
     }
   }
 
-  void Bury(size_t index) {
+  void RemoveEnded(size_t index) {
     const int item = workers_[index]->item();
     const bool was_ready = workers_[index]->ready();
     const int status = workers_[index]->Reap();
@@ -375,6 +375,6 @@ class Foreman {
 
 bool LacksMemory(std::string_view why) { return why.ends_with(kMemoryAdvice); }
 
-WorkReport RunInWorkers(const WorkerPlan& plan) { return Foreman(plan).Run(); }
+WorkReport RunInWorkers(const WorkerPlan& plan) { return ItemDispatcher(plan).Run(); }
 
 }  // namespace pickbed::eval

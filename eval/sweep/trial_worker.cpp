@@ -17,7 +17,7 @@ namespace {
 constexpr std::chrono::seconds kSayEvery{2};
 
 // State of a worker: its store, and the data of its current configuration.
-struct Bench {
+struct WorkerState {
   ResultsStore store;
   StageSeconds seconds;  // since the last reply
   const Configuration* configuration = nullptr;
@@ -33,17 +33,17 @@ std::string ReplyOf(const TrialResult& result, StageSeconds& seconds) {
 }
 
 void GoTo(const Configuration& configuration, const SweepOptions& options,
-          const WorkerPlan::Say& say, Bench& bench) {
-  if (bench.configuration == &configuration) return;
-  const StageTimer timer(bench.seconds, "start");
-  bench.do_trial = nullptr;  // frees the meshes and networks of the previous configuration first
-  bench.do_trial = options.make(configuration, say);
-  bench.configuration = &configuration;
+          const WorkerPlan::Say& say, WorkerState& state) {
+  if (state.configuration == &configuration) return;
+  const StageTimer timer(state.seconds, "start");
+  state.do_trial = nullptr;  // frees the meshes and networks of the previous configuration first
+  state.do_trial = options.make(configuration, say);
+  state.configuration = &configuration;
 }
 
-std::string DoItem(Bench& bench, const Configuration& configuration, const SweepOptions& options,
-                   int trial, const WorkerPlan::Say& say) {
-  GoTo(configuration, options, say, bench);
+std::string DoItem(WorkerState& state, const Configuration& configuration,
+                   const SweepOptions& options, int trial, const WorkerPlan::Say& say) {
+  GoTo(configuration, options, say, state);
   const BinIndex bin_index(trial - configuration.first_trial);
   PictureOrder pictures{PicturesWanted::kNone, PicturesOf(options.out, trial)};
   if (bin_index < options.picture_trials) {
@@ -53,18 +53,18 @@ std::string DoItem(Bench& bench, const Configuration& configuration, const Sweep
   }
   TrialResult result;
   {
-    const StageTimer timer(bench.seconds, "trials");
-    result = bench.do_trial(bin_index, pictures);
+    const StageTimer timer(state.seconds, "trials");
+    result = state.do_trial(bin_index, pictures);
   }
   result.trial = trial;
   result.bin_index = bin_index;
   result.configuration = configuration.number;
   {
-    const StageTimer timer(bench.seconds, "store");
-    bench.store.Write(result);
+    const StageTimer timer(state.seconds, "store");
+    state.store.Write(result);
   }
   StageSeconds seconds;
-  std::swap(seconds, bench.seconds);
+  std::swap(seconds, state.seconds);
   return ReplyOf(result, seconds);
 }
 
@@ -107,12 +107,12 @@ WorkerPlan::DoItem StartWorker(const Sweep& sweep, const SweepOptions& options,
     const StageTimer timer(seconds, "store");
     return ResultsStore(folder, head);
   };
-  auto bench = std::make_shared<Bench>(Bench{open(), {}});
-  bench->seconds = seconds;
+  auto state = std::make_shared<WorkerState>(WorkerState{open(), {}});
+  state->seconds = seconds;
   // With several configurations, the first trial decides which one is prepared.
-  if (sweep.configurations.size() == 1) GoTo(sweep.configurations.front(), options, say, *bench);
-  return [bench, &sweep, &options, say](int trial) {
-    return DoItem(*bench, ConfigurationOf(sweep, trial), options, trial, say);
+  if (sweep.configurations.size() == 1) GoTo(sweep.configurations.front(), options, say, *state);
+  return [state, &sweep, &options, say](int trial) {
+    return DoItem(*state, ConfigurationOf(sweep, trial), options, trial, say);
   };
 }
 

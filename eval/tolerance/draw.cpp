@@ -69,9 +69,9 @@ double ReachOf(const Gripper& gripper) {
   return reach_m;
 }
 
-class Studio {
+class TileRenderer {
  public:
-  explicit Studio(const ToleranceStudy& study)
+  explicit TileRenderer(const ToleranceStudy& study)
       : object_(*study.table.objects[0]), table_(study.table) {
     mesh_ = renderer_.AddMesh(object_.mesh_O);
   }
@@ -185,11 +185,12 @@ std::string RegionText(const ToleranceRegion& region, const char* unit) {
 }
 
 Image<Rgb8> DrawToleranceSheet(const ToleranceStudy& study, const ToleranceStatistics& statistics) {
-  Studio studio(study);
+  TileRenderer tile_renderer(study);
   const Vector3d& center_O = statistics.model.surface_mean_O;
-  std::vector<Image<Rgb8>> tiles{studio.ObjectTile(center_O),
-                                 studio.HandTile(study.grasps[study.options.grasps / 2], center_O),
-                                 DrawTable(KeyNumbers(study, statistics), kTileWidth, kTileHeight)};
+  std::vector<Image<Rgb8>> tiles{
+      tile_renderer.ObjectTile(center_O),
+      tile_renderer.HandTile(study.grasps[study.options.grasps / 2], center_O),
+      DrawTable(KeyNumbers(study, statistics), kTileWidth, kTileHeight)};
   std::vector<std::string> captions{"Axes of the object, at the center of its surface",
                                     "Axes of the gripper, at one of the grasps", "Key numbers"};
   for (const AxisCurve& curve : statistics.axes) {

@@ -50,10 +50,10 @@ Rgb8 ToRgb(const aiColor4D& c) { return {ToByte(c.r), ToByte(c.g), ToByte(c.b)};
 // ---- Materials ----
 
 // Loads each colour texture of a file once and finds it by name.
-class TextureShelf {
+class TextureLoader {
  public:
   // `used` receives the names of the files that were looked for.
-  TextureShelf(const aiScene& scene, const fs::path& path, std::set<fs::path>& used)
+  TextureLoader(const aiScene& scene, const fs::path& path, std::set<fs::path>& used)
       : scene_(scene), path_(path), folder_(path.parent_path()), used_(used) {}
 
   // Returns the index of the material's texture, or kNoTexture if there is none, or one of a format
@@ -144,11 +144,11 @@ struct Submesh {
 };
 
 Submesh MakeSubmesh(const aiMesh& source, const Eigen::Affine3d& T, const aiMaterial& material,
-                    TextureShelf& shelf) {
+                    TextureLoader& loader) {
   Submesh submesh;
   TriangleMesh& mesh = submesh.mesh;
   mesh.base_color = BaseColor(material);
-  if (source.HasTextureCoords(0)) submesh.texture = shelf.IndexOf(material);
+  if (source.HasTextureCoords(0)) submesh.texture = loader.IndexOf(material);
   const Eigen::Matrix3d linear = T.linear();
   const bool mirrored = linear.determinant() < 0;
   const bool has_normals = source.HasNormals() && linear.determinant() != 0;
@@ -176,14 +176,14 @@ Submesh MakeSubmesh(const aiMesh& source, const Eigen::Affine3d& T, const aiMate
 }
 
 void CollectSubmeshes(const aiScene& scene, const aiNode& node, const Eigen::Affine3d& parent,
-                      TextureShelf& shelf, std::vector<Submesh>& submeshes) {
+                      TextureLoader& loader, std::vector<Submesh>& submeshes) {
   const Eigen::Affine3d T = parent * ToEigen(node.mTransformation);
   for (unsigned i = 0; i < node.mNumMeshes; ++i) {
     const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
-    submeshes.push_back(MakeSubmesh(mesh, T, *scene.mMaterials[mesh.mMaterialIndex], shelf));
+    submeshes.push_back(MakeSubmesh(mesh, T, *scene.mMaterials[mesh.mMaterialIndex], loader));
   }
   for (unsigned i = 0; i < node.mNumChildren; ++i) {
-    CollectSubmeshes(scene, *node.mChildren[i], T, shelf, submeshes);
+    CollectSubmeshes(scene, *node.mChildren[i], T, loader, submeshes);
   }
 }
 
@@ -200,17 +200,17 @@ void BakeTexture(const Image<Rgb8>& texture, TriangleMesh& mesh) {
 }
 
 // Joins the submeshes into one mesh. A mesh has only one texture, so several become vertex colours.
-TriangleMesh Joined(std::vector<Submesh> submeshes, const TextureShelf& shelf) {
+TriangleMesh Joined(std::vector<Submesh> submeshes, const TextureLoader& loader) {
   const bool one_texture = std::all_of(
       submeshes.begin(), submeshes.end(),
       [&](const Submesh& submesh) { return submesh.texture == submeshes.front().texture; });
   TriangleMesh mesh;
   for (Submesh& submesh : submeshes) {
     if (!one_texture && submesh.texture != kNoTexture)
-      BakeTexture(shelf.image(submesh.texture), submesh.mesh);
+      BakeTexture(loader.image(submesh.texture), submesh.mesh);
     Append(submesh.mesh, mesh);
   }
-  if (!mesh.uvs.empty()) mesh.texture = shelf.image(submeshes.front().texture);
+  if (!mesh.uvs.empty()) mesh.texture = loader.image(submeshes.front().texture);
   return mesh;
 }
 
@@ -279,15 +279,15 @@ ImportedMesh ImportMesh(const fs::path& path, double scale) {
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr) RefuseUnreadable(path, importer.GetErrorString());
   CheckFaceCount(path, CountFaces(*scene, *scene->mRootNode));
-  TextureShelf shelf(*scene, path, imported.used);
+  TextureLoader loader(*scene, path, imported.used);
   std::vector<Submesh> submeshes;
-  CollectSubmeshes(*scene, *scene->mRootNode, Eigen::Affine3d(Eigen::Scaling(scale)), shelf,
+  CollectSubmeshes(*scene, *scene->mRootNode, Eigen::Affine3d(Eigen::Scaling(scale)), loader,
                    submeshes);
   std::erase_if(submeshes, [](const Submesh& submesh) { return submesh.mesh.triangles.empty(); });
   CheckInput(!submeshes.empty(),
              "mesh '" + path.string() + "' has no faces; export it as triangles");
   TriangleMesh& mesh = imported.mesh;
-  mesh = Joined(std::move(submeshes), shelf);
+  mesh = Joined(std::move(submeshes), loader);
   const auto is_finite = [](const Eigen::Vector3d& vertex) { return vertex.allFinite(); };
   CheckInput(std::ranges::all_of(mesh.vertices, is_finite),
              "mesh '" + path.string() + "' has vertices that are not numbers; export it again");
