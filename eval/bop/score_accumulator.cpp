@@ -7,6 +7,7 @@
 #include "eval/metrics/pose_errors.h"
 #include "eval/stats/statistics.h"
 #include "eval/trial/pose_matching.h"
+#include "eval/trial/stage_oracle.h"
 #include "grasp/tolerance/tolerance_model.h"
 #include "sim/render/renderer.h"
 

@@ -7,6 +7,7 @@
 
 #include "scenes/base/error.h"
 #include "sim/drop/certificate.h"
+#include "sim/drop/certified_scene.h"
 #include "sim/drop/drop_layout.h"
 #include "sim/drop/penetration.h"
 
