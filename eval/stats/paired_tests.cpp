@@ -160,7 +160,8 @@ std::optional<OddsRatio> MatchedOddsRatio(const Discordance& scenes, double conf
 double SignFlipTest(int scenes, const FlipStatistic& statistic, int flips, uint64_t seed) {
   std::vector<bool> flipped(scenes, false);
   const double found = statistic(flipped);
-  const double minimum = found - kRounding * std::abs(found);
+  // Without spread the statistic is infinite, and infinity minus infinity is no number.
+  const double minimum = std::isfinite(found) ? found - kRounding * std::abs(found) : found;
   if (scenes < 31 && (1L << scenes) <= flips) {
     const long all = 1L << scenes;
     long as_large = 0;

@@ -103,6 +103,15 @@ TEST(PairedRateTest, ClearDifferenceHasTheSmallestPValue) {
   EXPECT_EQ(PairedRateTest(before, after, 999, 4), PairedRateTest(before, after, 999, 4));
 }
 
+// Equal rates in all scenes of a run have no spread. Of the four labellings of two scenes, two are
+// as extreme as the found one.
+TEST(PairedRateTest, DifferenceWithoutSpreadIsNotImpossible) {
+  const std::vector<Cluster> before{{1, 2}, {1, 2}}, after{{2, 2}, {6, 6}};
+  EXPECT_EQ(PairedRateTest(before, after), 0.5);
+  const std::vector<Cluster> none(6, {0, 5}), all(6, {5, 5});
+  EXPECT_EQ(PairedRateTest(none, all), 2 / 64.0);
+}
+
 using PairTest = std::function<double(const ScenePairs& pairs)>;
 
 double FalseAlarms(int experiments, int scenes, const SceneSize& size, double own,
