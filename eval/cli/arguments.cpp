@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <thread>
 
 #include "eval/report/run_statistics.h"
@@ -19,6 +21,18 @@ CLI::Option* AddProcessors(CLI::App& app, const std::string& name, int& count,
   return app.add_option(name, count, help)
       ->check(CLI::Range(1, 1024))
       ->default_str("number of processors");
+}
+
+// The limits of CLI11 let NaN pass, because no comparison with it is true.
+void RefuseNaN(const CLI::App& app, const std::string& command) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_type_name().starts_with("FLOAT")) continue;
+    for (const std::string& text : option->results()) {
+      CheckInput(
+          !std::isnan(std::strtod(text.c_str(), nullptr)),
+          fmt::format("{}: '{}' is no number; see {} --help", option->get_name(), text, command));
+    }
+  }
 }
 
 }  // namespace
@@ -44,6 +58,8 @@ bool ParseArguments(CLI::App& app, int argc, char** argv) {
   for (CLI::App* subcommand : app.get_subcommands({})) subcommand->fallthrough();
   try {
     app.parse(argc, argv);
+    RefuseNaN(app, app.get_name());
+    for (const CLI::App* subcommand : app.get_subcommands()) RefuseNaN(*subcommand, app.get_name());
     return true;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
