@@ -41,6 +41,9 @@ TriangleMesh HullOf(const TriangleMesh& mesh) {
   return solid;
 }
 
+// Limit of mass_kg in the file of an object.
+constexpr double kMaxObjectMass_kg = 100;
+
 MassProperties MassOf(const ObjectRequest& request, const InspectedMesh& inspected) {
   const TriangleMesh solid = inspected.watertight ? inspected.mesh_O : HullOf(inspected.mesh_O);
   if (request.mass_kg > 0) return UniformMassProperties(solid, request.mass_kg);
@@ -68,6 +71,10 @@ MadeObject MakeObject(const ObjectRequest& request,
   model.diameter_m = Diameter(mesh_O);
   model.mesh_hash = MeshHash(mesh_O);
   model.mass = clock.Time("weigh", [&] { return MassOf(request, made.inspected); });
+  CheckInput(model.mass.mass_kg <= kMaxObjectMass_kg,
+             fmt::format("mesh '{}' would have a mass of {:.4g} kg by its volume and density; an "
+                         "object has {:g} kg at most: check the unit, or give the mass",
+                         request.mesh.string(), model.mass.mass_kg, kMaxObjectMass_kg));
   FittedPieces fitted =
       clock.Time("cut into convex pieces", [&] { return FitConvexPieces(mesh_O); });
   CheckInput(!fitted.pieces.empty(),
