@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "eval/metrics/interval_json.h"
@@ -59,8 +60,12 @@ std::vector<ConfigurationComparison> CompareWithFirst(
     const std::vector<PairedConfiguration>& configurations) {
   std::vector<ConfigurationComparison> comparisons;
   for (size_t i = 1; i < configurations.size(); ++i) {
-    if (SceneKey(configurations[i].identity) != SceneKey(configurations[0].identity)) continue;
-    comparisons.push_back(CompareConfigurations(configurations[0], configurations[i]));
+    const std::string scenes = SceneKey(configurations[i].identity);
+    const auto first = std::find_if(
+        configurations.begin(), configurations.begin() + static_cast<std::ptrdiff_t>(i),
+        [&](const PairedConfiguration& other) { return SceneKey(other.identity) == scenes; });
+    if (first == configurations.begin() + static_cast<std::ptrdiff_t>(i)) continue;
+    comparisons.push_back(CompareConfigurations(*first, configurations[i]));
   }
   return comparisons;
 }

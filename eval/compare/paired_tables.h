@@ -29,7 +29,7 @@ struct ConfigurationComparison {
 ConfigurationComparison CompareConfigurations(const PairedConfiguration& before,
                                               const PairedConfiguration& after);
 
-// Compares each configuration with the first one; skips those with other scenes.
+// Compares each configuration with the first one that has the same scenes.
 std::vector<ConfigurationComparison> CompareWithFirst(
     const std::vector<PairedConfiguration>& configurations);
 
