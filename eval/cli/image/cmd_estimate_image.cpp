@@ -81,18 +81,24 @@ std::vector<std::string> Doubts(const ObjectSet& objects, const std::string& nam
 }
 
 InputError WithMeshHint(const InputError& error, const ImageArguments& image,
-                        const std::string& estimator) {
+                        const EstimatorSpec& spec) {
   const std::string message = error.what();
   const bool is_untrained = message.find("not trained for object") != std::string::npos ||
                             message.find("has changed since training") != std::string::npos;
   if (!is_untrained || image.meshes.empty()) return error;
   const std::string mesh = image.meshes.front();
   const std::string name = std::filesystem::path(mesh).stem().string();
+  // Verifiers alone are trained for ppf, and ppf uses them only in this mode.
+  const bool is_ppf = spec.name == "ppf";
+  const std::string estimator = is_ppf ? "ppf:verified" : spec.name;
+  const std::string train = is_ppf                      ? name + " --verifier-for ppf"
+                            : spec.name == "descriptor" ? name
+                                                        : spec.name + " " + name;
   return InputError(fmt::format(
       "{} knows no model of '{}'; use --estimator ppf, which needs no training, or run `pickbed "
-      "object add {} --name {}` and `pickbed train {}`, and then give --object {} with "
-      "--estimator {}=models/{}.net",
-      estimator, mesh, mesh, name, name, name, estimator, name));
+      "object add {} --name {}` and `pickbed train {} --out models/{}.net`, and then give "
+      "--object {} with --estimator {}=models/{}.net",
+      estimator, mesh, mesh, name, train, name, name, estimator, name));
 }
 
 }  // namespace
@@ -158,7 +164,7 @@ int EstimateImage(const ScenarioRequest& arguments, const ImageArguments& image,
     try {
       runner.emplace(setup, read.frame);
     } catch (const InputError& error) {
-      throw WithMeshHint(error, image, estimator.name);
+      throw WithMeshHint(error, image, estimator);
     }
     for (const std::string& note : notes) progress.Note(note);
     progress.Show("estimate ...");
