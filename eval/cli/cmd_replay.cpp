@@ -57,8 +57,11 @@ void RequirePicks(const RecordedTrial& recorded, const std::string& address, int
                          "animate; choose another trial",
                          address));
   if (attempt < 0) return;
-  CheckInput(static_cast<size_t>(attempt) < attempts.size() && is_pick(attempts[attempt]),
-             fmt::format("{}: attempt {} executed no grasp; choose another of the {} attempts",
+  CheckInput(static_cast<size_t>(attempt) < attempts.size(),
+             fmt::format("{}: --attempt {}: the trial has attempts 0 to {}", address, attempt,
+                         attempts.size() - 1));
+  CheckInput(is_pick(attempts[attempt]),
+             fmt::format("{}: --attempt {} executed no grasp; choose another of the {} attempts",
                          address, attempt, attempts.size()));
 }
 

@@ -74,7 +74,7 @@ std::vector<std::string> KeyNumbers(const SensorProfile& p, const SensorScene& s
       fmt::format("missing anywhere\t{}", PercentText(p.random_dropout)),
       fmt::format("missing at edges\t{}, flying {} of the rest", WholePercentText(p.edge_dropout),
                   WholePercentText(p.flying_share)),
-      fmt::format("missing at grazing angles\t{} at 90 deg, none to {:.0f} deg",
+      fmt::format("missing by slant\t{} at 90 deg, none to {:.0f} deg",
                   WholePercentText(p.grazing_dropout), Degrees(p.grazing_start_rad)),
       fmt::format("missing on black\t{}, none over luma {:g}", WholePercentText(p.dark_dropout),
                   p.dark_luma),

@@ -251,8 +251,12 @@ std::string MethodText(const ScenarioSpec& spec) {
   if (!PlannerNamed(spec.planner.name).needs_poses) {
     return fmt::format("planner {} without poses", spec.planner.name);
   }
-  return fmt::format("estimator {} ({}), refiner {}", spec.estimator.name, spec.estimator.mode,
-                     spec.refiner);
+  const EstimatorSpec& estimator = spec.estimator;
+  if (estimator.name == "oracle") {
+    return fmt::format("estimator oracle with noise of {:g} mm and {:g} deg", estimator.noise_mm,
+                       estimator.noise_deg);
+  }
+  return fmt::format("estimator {} ({}), refiner {}", estimator.name, estimator.mode, spec.refiner);
 }
 
 std::string SettingsText(const ScenarioSpec& spec, const ObjectCatalog& catalog) {

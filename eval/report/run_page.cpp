@@ -196,7 +196,8 @@ std::string CardHtml(const GalleryEntry& entry, const std::string& configuration
   std::string picture;
   if (!entry.jpeg.empty()) {
     picture = fmt::format(
-        "<img loading=\"lazy\" alt=\"overlay of {}, pick {}\" src=\"data:image/jpeg;base64,{}\">",
+        "<img loading=\"lazy\" alt=\"overlay of {}, attempt {}\" "
+        "src=\"data:image/jpeg;base64,{}\">",
         EscapeHtml(entry.address), pick.attempt, Base64(entry.jpeg));
     if (!entry.link.empty()) {
       picture = fmt::format("<a href=\"{}\" title=\"full picture\">{}</a>", EscapeHtml(entry.link),
@@ -204,7 +205,7 @@ std::string CardHtml(const GalleryEntry& entry, const std::string& configuration
     }
   }
   return fmt::format(
-      "<article class=\"failure\"{}>{}<b>{}</b>{} stage<br><code>{}</code> pick {}<dl>{}</dl>"
+      "<article class=\"failure\"{}>{}<b>{}</b>{} stage<br><code>{}</code> attempt {}<dl>{}</dl>"
       "</article>\n",
       data, picture, reason, stage, EscapeHtml(entry.address), pick.attempt, facts);
 }

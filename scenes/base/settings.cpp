@@ -197,7 +197,8 @@ class Reader : public SettingsVisitor {
 
   [[noreturn]] void Fail(const YAML::Node& node, const std::string& key,
                          const std::string& allowed) const {
-    throw InputError(fmt::format("{}: {} = {}: {}", Where(node), key, Flat(node), allowed));
+    const std::string what = key.empty() ? Flat(node) : fmt::format("{} = {}", key, Flat(node));
+    throw InputError(fmt::format("{}: {}: {}", Where(node), what, allowed));
   }
 
   double Number(const YAML::Node& node, const std::string& key, Range range,
