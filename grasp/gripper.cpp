@@ -41,4 +41,10 @@ std::optional<AxisAlignedBox> Gripper::RegionBetween(double) const { return std:
 
 double Gripper::MaxAside_m() const { return 0; }
 
+bool Gripper::PullsAside() const { return false; }
+
+double Gripper::WeightShare(const ObjectModel&, const Pose&, const Eigen::Vector3d&) const {
+  return 0;
+}
+
 }  // namespace pickbed::grasp

@@ -101,6 +101,16 @@ class Gripper {
   // object. Default: 0.
   virtual double MaxAside_m() const;
 
+  // Returns whether the hand may pull an object aside while it lifts it (grasp/plan/lift_aside.h).
+  // Default: false; the pull would bend the lip of a cup.
+  virtual bool PullsAside() const;
+
+  // Returns the weight of a held object as a share of the load that breaks the hold, for the pose
+  // of the object in the hand and the direction of gravity in G (unit). 1 and more cannot be held.
+  // Default: 0, the candidates have been tested with the weight in every direction.
+  virtual double WeightShare(const ObjectModel& object, const Pose& X_GO,
+                             const Eigen::Vector3d& down_G) const;
+
   // Returns the weight in N from which an object with this friction is too heavy.
   virtual double Capacity_n(double object_friction) const = 0;
 

@@ -30,6 +30,7 @@ class ParallelJaw : public Gripper {
   std::vector<AxisAlignedBox> Boxes(double opening_m) const override;
   std::optional<AxisAlignedBox> RegionBetween(double opening_m) const override;
   double MaxAside_m() const override;
+  bool PullsAside() const override { return true; }
   // Friction of both pads.
   double Capacity_n(double object_friction) const override;
   std::vector<GraspCandidate> MakeCandidates(const ObjectModel& model, Rng& rng,

@@ -6,6 +6,7 @@
 
 #include "grasp/candidates/candidates.h"
 #include "scenes/base/error.h"
+#include "scenes/objects/contact.h"
 
 namespace pickbed::grasp {
 namespace {
@@ -82,6 +83,14 @@ std::vector<AxisAlignedBox> SuctionCup::Boxes(double) const { return CupBoxes(cu
 std::vector<AxisAlignedBox> SuctionCup::SoftBoxes() const {
   const Eigen::Vector3d half(cup.radius_m, cup.radius_m, 0.5 * cup.bellows_travel_m);
   return {{{0, 0, -half.z()}, half}};
+}
+
+double SuctionCup::WeightShare(const ObjectModel& object, const Pose& X_GO,
+                               const Eigen::Vector3d& down_G) const {
+  LipLoad load;
+  load.force_n = WrenchForce_n(object) * down_G;
+  load.torque_nm = (X_GO * object.mass.com_O).cross(load.force_n);
+  return ShareOfLimit(cup, PairFriction(object.friction, cup.friction), load);
 }
 
 std::vector<GraspCandidate> SuctionCup::MakeCandidates(const ObjectModel& model, Rng& rng,

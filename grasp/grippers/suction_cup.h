@@ -30,6 +30,9 @@ class SuctionCup : public Gripper {
   Hand& AddTo(PhysicsWorld& world, double opening_m, const Pose& X_WG) const override;
   std::vector<AxisAlignedBox> Boxes(double opening_m) const override;
   std::vector<AxisAlignedBox> SoftBoxes() const override;
+  // By the strength of the lip (sim/hands/suction_hand.h): pull, bending, shear and torsion.
+  double WeightShare(const ObjectModel& object, const Pose& X_GO,
+                     const Eigen::Vector3d& down_G) const override;
   // The pull at which the lip detaches, for an object that hangs straight down.
   double Capacity_n(double) const override { return cup.vacuum_n; }
   std::vector<GraspCandidate> MakeCandidates(const ObjectModel& model, Rng& rng,

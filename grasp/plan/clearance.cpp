@@ -15,9 +15,39 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
+constexpr double kRounding_m = 1e-9;  // margin of a search that must not miss a point
+
 // Largest of the distances to the three slabs of the box: negative inside, a lower bound outside.
 double SlabDistance(const AxisAlignedBox& box, const Vector3d& p) {
   return ((p - box.center).cwiseAbs() - box.half_size).maxCoeff();
+}
+
+struct Interval {
+  double low, high;
+};
+
+// Heights at which an oriented box can meet the column over a square with this center and half its
+// side, both in W from the center of the box; empty (low > high) if it does not. Each pair of faces
+// bounds the heights by itself, so the interval may be too large, but never too small. `R_GW` has
+// the normals of the faces in its rows.
+Interval HeightsOver(const Vector2d& center, double half, const Eigen::Matrix3d& R_GW,
+                     const Vector3d& half_size) {
+  constexpr double kLevel = 1e-9;  // faces with a smaller slope bound no height
+  Interval heights{-std::numeric_limits<double>::infinity(),
+                   std::numeric_limits<double>::infinity()};
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::RowVector3d normal = R_GW.row(k);
+    const double offset = normal.head<2>().dot(center);
+    const double reach = half_size[k] + half * normal.head<2>().cwiseAbs().sum();
+    if (std::abs(normal.z()) < kLevel) {
+      if (std::abs(offset) > reach + kLevel) return {1, 0};
+      continue;
+    }
+    const double middle = -offset / normal.z(), extent = reach / std::abs(normal.z());
+    heights.low = std::max(heights.low, middle - extent);
+    heights.high = std::min(heights.high, middle + extent);
+  }
+  return heights;
 }
 
 }  // namespace
@@ -52,6 +82,14 @@ bool HandMeetsBin(const Gripper& gripper, double opening_m, const Pose& X_WG,
   if (FindBinContact(HandSweep(gripper, opening_m), X_WG, bin_boxes, clearance_m)) return true;
   const std::optional<AxisAlignedBox> between = gripper.RegionBetween(opening_m);
   return between && FindBinContact({&*between, 1}, X_WG, bin_boxes, 0);
+}
+
+bool AnyInside(const Eigen::Matrix3Xd& points_G, std::span<const AxisAlignedBox> boxes_G) {
+  return std::any_of(boxes_G.begin(), boxes_G.end(), [&](const AxisAlignedBox& box) {
+    const Eigen::Matrix3Xd outside_m =
+        (points_G.colwise() - box.center).cwiseAbs().colwise() - box.half_size;
+    return (outside_m.colwise().maxCoeff().array() < 0).any();
+  });
 }
 
 SurfaceBand::SurfaceBand(const Eigen::Matrix3Xd& points_O, double band_m) : voxel_m_(0.5 * band_m) {
@@ -157,17 +195,27 @@ template <typename Visit>
 bool ObstacleField::AnyNear(const Pose& X_WG, const AxisAlignedBox& box_G, double margin_m,
                             const std::vector<uint8_t>& ignored, const Visit& visit) const {
   const Vector3d center = X_WG * box_G.center;
-  const Vector3d reach =
-      X_WG.linear().cwiseAbs() * (box_G.half_size.array() + margin_m).max(0).matrix();
+  const Vector3d half_size = (box_G.half_size.array() + margin_m).max(0);
+  const Vector3d reach = X_WG.linear().cwiseAbs() * half_size;
   const Vector3d low = center - reach, high = center + reach;
   const int first = Column(low.x(), low.y()), last = Column(high.x(), high.y());
   const Eigen::Matrix3d R_GW = X_WG.linear().transpose();
   for (int row = first / columns_; row <= last / columns_; ++row) {
     for (int column = first % columns_; column <= last % columns_; ++column) {
-      const int end = begin_[row * columns_ + column + 1];
-      for (int i = begin_[row * columns_ + column]; i < end; ++i) {
+      const Vector2d middle = corner_ + cell_m_ * Vector2d(column + 0.5, row + 0.5);
+      const Interval heights =
+          HeightsOver(middle - center.head<2>(), 0.5 * cell_m_ + kRounding_m, R_GW, half_size);
+      if (heights.low > heights.high) continue;
+      const double lowest_m = std::max(low.z(), center.z() + heights.low - kRounding_m);
+      const double highest_m = std::min(high.z(), center.z() + heights.high + kRounding_m);
+      const auto from = points_W_.begin() + begin_[row * columns_ + column];
+      const auto to = points_W_.begin() + begin_[row * columns_ + column + 1];
+      const auto start =
+          std::partition_point(from, to, [&](const Vector3d& p) { return p.z() > highest_m; });
+      const int end = static_cast<int>(to - points_W_.begin());
+      for (int i = static_cast<int>(start - points_W_.begin()); i < end; ++i) {
         const Vector3d& p = points_W_[i];
-        if (p.z() < low.z()) break;
+        if (p.z() < lowest_m) break;
         if (ignored[groups_[i]] || (p.array() < low.array()).any() ||
             (p.array() > high.array()).any()) {
           continue;

@@ -38,6 +38,9 @@ std::optional<BinContact> FindBinContact(std::span<const AxisAlignedBox> boxes_G
 bool HandMeetsBin(const Gripper& gripper, double opening_m, const Pose& X_WG,
                   std::span<const AxisAlignedBox> bin_boxes, double clearance_m);
 
+// Returns whether one of the points is inside of one of the boxes, all in G.
+bool AnyInside(const Eigen::Matrix3Xd& points_G, std::span<const AxisAlignedBox> boxes_G);
+
 // Set of the points within `band_m` of the surface points of an object, at a resolution of half of
 // `band_m`.
 class SurfaceBand {

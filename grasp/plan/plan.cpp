@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "grasp/plan/clearance.h"
+#include "grasp/plan/hold_factor.h"
 #include "grasp/plan/lift_aside.h"
 #include "grasp/plan/object_shape.h"
 #include "grasp/plan/rejection_cause.h"
@@ -226,7 +227,7 @@ class CandidateCheck {
     const int target = grasp.hypothesis;
     const EstimatedPose& pose = input_.poses[target];
     const auto cover = stack_.CenterOfCover(target, Others(Rivals(target)));
-    if (!cover) return Eigen::Vector2d::Zero();
+    if (!cover || !input_.gripper.PullsAside()) return Eigen::Vector2d::Zero();
     const double length_m = options_.lift_aside_diameters * Size_m(pose);
     const auto wanted_m = AwayFrom(*cover, centers_W_[target].head<2>(), length_m);
     const auto opening_m = input_.gripper.ApproachOpening_m(grasp.width_m);
@@ -251,12 +252,15 @@ class CandidateCheck {
 
   // Score of a candidate on a pose with this score.
   double ScoreOf(int target, const GraspCandidate& candidate, double pose_score) const {
+    const EstimatedPose& pose = input_.poses[target];
     const double tilt = std::acos(std::clamp(Down(target, candidate), -1.0, 1.0));
     const double place_factor = 1 - options_.place_share * (1 - candidate.place_quality);
     const double load_factor =
         ranking_.weighs_load ? 1 - options_.load_share / (1 + candidate.epsilon) : 1;
     return pose_score * place_factor * load_factor * ranking_.value(candidate) *
-           (1 - options_.tilt_share * tilt / options_.max_tilt_rad);
+           (1 - options_.tilt_share * tilt / options_.max_tilt_rad) *
+           HoldFactor(input_.gripper, *input_.objects[pose.object], candidate.X_OG, pose.X_WO,
+                      options_.lift_load);
   }
 
   // Replaces a bound by the score.
@@ -376,12 +380,7 @@ class CandidateCheck {
   bool MeetsTarget(std::span<const AxisAlignedBox> sweep, const Grasp& grasp) const {
     const EstimatedPose& pose = input_.poses[grasp.hypothesis];
     const Pose X_GO = grasp.X_WG.inverse() * pose.X_WO;
-    const Eigen::Matrix3Xd points_G = X_GO * shapes_[pose.object]->obstacle_O;
-    return std::any_of(sweep.begin(), sweep.end(), [&](const AxisAlignedBox& box) {
-      const Eigen::Matrix3Xd outside_m =
-          (points_G.colwise() - box.center).cwiseAbs().colwise() - box.half_size;
-      return (outside_m.colwise().maxCoeff().array() < 0).any();
-    });
+    return AnyInside(X_GO * shapes_[pose.object]->obstacle_O, sweep);
   }
 
   bool MeetsBin(double opening_m, const Grasp& on) const {

@@ -107,6 +107,9 @@ struct PlanOptions {
   // less often.
   double load_share = 0.8;
   double between_share = 0.5;
+  // Load at the start of the lift, in weights of the object. The weight comes on at once, which
+  // makes about two. A hold that breaks under this load has half of the score.
+  double lift_load = 2;
   double aside_share = 0.3;  // hand moved aside from a wall by the maximum distance
   // Share of the score that is lost if the fingers enter space that the image does not show, in the
   // mean over their cross-section by full_hidden_m or more. Unseen instances are there: with right

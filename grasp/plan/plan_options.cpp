@@ -80,6 +80,10 @@ void PlanOptions::Visit(SettingsVisitor& v) {
   v.RenamedKey("set_down_share", "place_share");
   v.Real("place_share", place_share, share,
          "share of the score that is lost if the object cannot be set down with this grasp");
+  v.Real(
+      "lift_load", lift_load, {0, 10},
+      "load at the start of the lift, weights of the object; a hold that breaks under it has half "
+      "of the score, 0 = ignored");
   v.Real("load_share", load_share, share,
          "share of the score that is lost if the contacts resist no load from some direction; only "
          "for ranking quality");

@@ -146,8 +146,10 @@ TEST(Clearance, FieldEqualsAFullScan) {
   const auto sweep = HandSweep(gripper, 0.04);
   const AxisAlignedBox between{{0, 0, -0.025}, {0.02, 0.01, 0.025}};
   for (int trial = 0; trial < 50; ++trial) {
-    const Pose X_WG = MakePose(rng.Rotation().toRotationMatrix(),
-                               {rng.Uniform(-0.2, 0.2), rng.Uniform(-0.1, 0.1), 0.08});
+    // Also hands that point straight down: their sides are vertical.
+    const Eigen::Matrix3d R_WG = trial % 5 == 0 ? Vector3d(1, -1, -1).asDiagonal().toDenseMatrix()
+                                                : rng.Rotation().toRotationMatrix();
+    const Pose X_WG = MakePose(R_WG, {rng.Uniform(-0.2, 0.2), rng.Uniform(-0.1, 0.1), 0.08});
     const auto found = field.Query(X_WG, sweep, between, ignored, 0.01);
     std::array<double, 3> expected{0.01, 0.01, 0.01};
     int expected_between = 0;

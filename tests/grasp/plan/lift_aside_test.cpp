@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "grasp/execute/execute.h"
+#include "grasp/grippers/suction_cup.h"
 #include "tests/grasp/plan/plan_fixture.h"
 
 namespace pickbed::tests {
@@ -89,6 +90,28 @@ TEST_F(LiftAsidePlan, OnlyACoveredTargetIsPulledAside) {
     EXPECT_TRUE(grasp.lift_aside_m.isZero());
   }
   EXPECT_EQ(straight, covered);
+}
+
+// A pull aside bends the lip of a cup.
+TEST_F(LiftAsidePlan, CupsLiftStraightUp) {
+  SuctionCup cup;
+  cup.name = "cup";
+  cup.cup.radius_m = cup.cup.stem_radius_m = 0.005;
+  cup.cup.vacuum_n = 5;
+  cup.cup.moment_limit_nm = 0.02;
+  selected_gripper_ = &cup;
+  GraspCandidate candidate;
+  candidate.X_OG = MakePose(Vector3d(1, -1, -1).asDiagonal().toDenseMatrix(), {-0.01, 0, 0.025});
+  candidate.quality = 1;
+  candidates_ = {{candidate}};
+  AddPose({0, 0, 0.025});
+  AddPose({0.04, 0, 0.076});
+  bool on_the_covered = false;
+  for (const Grasp& grasp : Run().grasps) {
+    on_the_covered |= grasp.hypothesis == 0;
+    EXPECT_TRUE(grasp.lift_aside_m.isZero());
+  }
+  EXPECT_TRUE(on_the_covered);
 }
 
 // The end of a beam is under a slab of 20 kg that two posts support. Straight up, the beam turns
