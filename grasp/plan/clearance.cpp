@@ -43,9 +43,9 @@ Interval HeightsOver(const Vector2d& center, double half, const Eigen::Matrix3d&
       if (std::abs(offset) > reach + kLevel) return {1, 0};
       continue;
     }
-    const double middle = -offset / normal.z(), extent = reach / std::abs(normal.z());
-    heights.low = std::max(heights.low, middle - extent);
-    heights.high = std::min(heights.high, middle + extent);
+    const double height = -offset / normal.z(), extent = reach / std::abs(normal.z());
+    heights.low = std::max(heights.low, height - extent);
+    heights.high = std::min(heights.high, height + extent);
   }
   return heights;
 }
@@ -202,9 +202,9 @@ bool ObstacleField::AnyNear(const Pose& X_WG, const AxisAlignedBox& box_G, doubl
   const Eigen::Matrix3d R_GW = X_WG.linear().transpose();
   for (int row = first / columns_; row <= last / columns_; ++row) {
     for (int column = first % columns_; column <= last % columns_; ++column) {
-      const Vector2d middle = corner_ + cell_m_ * Vector2d(column + 0.5, row + 0.5);
-      const Interval heights =
-          HeightsOver(middle - center.head<2>(), 0.5 * cell_m_ + kRounding_m, R_GW, half_size);
+      const Vector2d column_center = corner_ + cell_m_ * Vector2d(column + 0.5, row + 0.5);
+      const Interval heights = HeightsOver(column_center - center.head<2>(),
+                                           0.5 * cell_m_ + kRounding_m, R_GW, half_size);
       if (heights.low > heights.high) continue;
       const double lowest_m = std::max(low.z(), center.z() + heights.low - kRounding_m);
       const double highest_m = std::min(high.z(), center.z() + heights.high + kRounding_m);

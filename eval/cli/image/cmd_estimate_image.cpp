@@ -88,7 +88,7 @@ InputError WithMeshHint(const InputError& error, const ImageArguments& image,
   if (!is_untrained || image.meshes.empty()) return error;
   const std::string mesh = image.meshes.front();
   const std::string name = std::filesystem::path(mesh).stem().string();
-  // Verifiers alone are trained for ppf, and ppf uses them only in this mode.
+  // For ppf, only verifiers are trained, and only this mode uses them.
   const bool is_ppf = spec.name == "ppf";
   const std::string estimator = is_ppf ? "ppf:verified" : spec.name;
   const std::string train = is_ppf                      ? name + " --verifier-for ppf"

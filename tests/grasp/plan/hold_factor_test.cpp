@@ -65,8 +65,8 @@ TEST_F(HoldFactorTest, JawsAreRatedByTheirCandidatesOnly) {
   EXPECT_EQ(HoldFactor(SmallJaw(), *bar_, X_OG_, Pose::Identity(), 10), 1);
 }
 
-// The planner uses the factor: of two equal candidates on an object that lies tilted, the one at
-// its center is first.
+// The planner uses the factor: a candidate at the center of mass comes before an equal candidate at
+// the end of the object.
 class HoldFactorPlan : public PlanFixture {};
 
 TEST_F(HoldFactorPlan, CupNearTheCenterOfMassIsFirst) {
