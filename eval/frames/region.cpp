@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "scenes/base/error.h"
 #include "scenes/camera/depth_points.h"
@@ -125,6 +126,21 @@ ImageRegion MakeRegion(const RegionSpec& spec, const RgbdFrame& frame,
     region.pixels(u, v) = Holds(*region.box, X_RC * p_C);
   });
   return region;
+}
+
+void RequireReadingsIn(const ImageRegion& region, const RgbdFrame& frame, const std::string& name) {
+  float nearest_m = std::numeric_limits<float>::infinity(), farthest_m = 0;
+  for (size_t i = 0; i < frame.depth_m.size(); ++i) {
+    const float z = frame.depth_m.data()[i];
+    if (!(z > 0)) continue;
+    if (region.pixels.data()[i] != 0) return;
+    nearest_m = std::min(nearest_m, z);
+    farthest_m = std::max(farthest_m, z);
+  }
+  throw InputError(fmt::format(
+      "region '{}': no depth reading of the image is in it; {}", name,
+      farthest_m > 0 ? fmt::format("readings are from {:.3g} to {:.3g} m", nearest_m, farthest_m)
+                     : "the image has no reading"));
 }
 
 Image<uint8_t> RegionInPicture(const ImageRegion& region, const CameraIntrinsics& camera,

@@ -33,6 +33,10 @@ struct ImageRegion {
 ImageRegion MakeRegion(const RegionSpec& spec, const RgbdFrame& frame,
                        const std::optional<Pose>& X_CW, const ObjectSet& objects);
 
+// Throws InputError if no depth reading of the frame is in the region. The message has the region's
+// `name` and the range of the readings.
+void RequireReadingsIn(const ImageRegion& region, const RgbdFrame& frame, const std::string& name);
+
 // Returns the region's pixels in a picture of another camera at the same pose.
 Image<uint8_t> RegionInPicture(const ImageRegion& region, const CameraIntrinsics& camera,
                                const CameraIntrinsics& picture);

@@ -121,5 +121,21 @@ TEST(ImageRegion, PictureOfAWindowShowsTheSamePlaces) {
   }
 }
 
+TEST(ImageRegion, WithoutAReadingIsRefusedWithTheRangeOfTheReadings) {
+  const RgbdFrame frame = TwoBoxes();
+  const auto error = [&](const std::string& text) {
+    return ErrorOf([&] {
+      RequireReadingsIn(MakeRegion(ParseRegion(text), frame, std::nullopt, OneBox(0.06)), frame,
+                        text);
+    });
+  };
+  EXPECT_EQ(error("camera:5,5,5,6,6,6"),
+            "region 'camera:5,5,5,6,6,6': no depth reading of the image is in it; readings are "
+            "from 0.74 to 0.8 m");
+  EXPECT_NO_THROW(RequireReadingsIn(
+      MakeRegion(ParseRegion("camera:-9,-9,0.7,9,9,0.9"), frame, std::nullopt, OneBox(0.06)), frame,
+      "table"));
+}
+
 }  // namespace
 }  // namespace pickbed::tests
