@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <string_view>
 #include <vector>
 
@@ -151,6 +152,10 @@ GivenIntrinsics ReadIntrinsics(const std::string& text_or_file) {
   if (const auto numbers = NumbersIn(text_or_file); numbers && !numbers->empty()) {
     return FromNumbers(*numbers, "intrinsics " + text_or_file);
   }
+  std::error_code error;
+  CheckInput(
+      text_or_file.find(',') == std::string::npos || std::filesystem::exists(text_or_file, error),
+      fmt::format("intrinsics {}: give four finite numbers FX,FY,CX,CY in px", text_or_file));
   std::string text = ReadFileText(text_or_file);
   if (const auto numbers = NumbersIn(text)) return FromNumbers(*numbers, text_or_file);
   // OpenCV begins its YAML with a directive that YAML does not have.

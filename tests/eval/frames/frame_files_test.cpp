@@ -48,6 +48,8 @@ TEST(ReadIntrinsics, RefusesOtherTextsAndOtherImages) {
     return ErrorOf([&] { ReadIntrinsics(file); });
   };
   EXPECT_THAT(ErrorOf([] { ReadIntrinsics("10,11,3"); }), HasSubstr("has 3 numbers"));
+  EXPECT_EQ(ErrorOf([] { ReadIntrinsics("615,615,nan,240"); }),
+            "intrinsics 615,615,nan,240: give four finite numbers FX,FY,CX,CY in px");
   EXPECT_THAT(ErrorOf([] { ReadIntrinsics("nowhere.json"); }), HasSubstr("nowhere.json"));
   EXPECT_THAT(error(R"({"fx": 10})"), HasSubstr("no camera matrix"));
   EXPECT_THAT(error(R"({"0": {"cam_K": [10, 0, 3, 0, 11, 4, 0, 0, 1]}})"),
