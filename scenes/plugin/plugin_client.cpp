@@ -243,8 +243,12 @@ void PluginClient::ThrowBroken(const ReceivedMessage& received, double limit_s) 
                     Quoted(bytes)));
   }
   std::string text = Stop(kGraceAfterEnd);
+  const bool is_clean_end = text == "ended with status 0";
   const std::vector<std::string> lines = log_->LastLines(kTracebackLines);
   if (!lines.empty()) text += fmt::format(": {}", lines.back());
+  if (is_clean_end) {
+    text += "; it must read messages until its input ends (in Python: pb.serve())";
+  }
   throw PluginError(PluginFault::kCrashed, text, lines);
 }
 

@@ -156,7 +156,9 @@ TEST_F(PluginClientTest, AStartThatFailsIsOneLineWithTheReason) {
               AllOf(HasSubstr("plugin.py' ended with status 1: ModuleNotFoundError: No module "
                               "named 'no_such_module'"),
                     HasSubstr("estimator_1.log"), testing::Not(HasSubstr("\n"))));
-  EXPECT_THAT(StartError("pass\n"), HasSubstr("ended with status 0"));
+  EXPECT_THAT(StartError("pass\n"),
+              HasSubstr("ended with status 0; it must read messages until its input ends (in "
+                        "Python: pb.serve())"));
   EXPECT_THAT(StartError("print('hello, here I am')\n"),
               HasSubstr("wrote 'hello, here I am' to its standard output"));
   EXPECT_THAT(StartError(RawPlugin("    if v == 'hello': a['protocol'] = 2")),
