@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <sstream>
+
 #include "scenes/base/error.h"
 #include "scenes/base/message_text.h"
 
@@ -53,6 +55,17 @@ void RequirePrintable(const std::string& text, const std::string& source) {
   }
 }
 
+// Returns whether a line has a tab before its first word.
+bool IsIndentedByTab(const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const size_t word = line.find_first_not_of(" \t");
+    const size_t tab = line.find('\t');
+    if (word != std::string::npos && tab < word) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 YAML::Node ParseYaml(const std::string& text, const std::string& source) {
@@ -66,7 +79,8 @@ YAML::Node ParseYaml(const std::string& text, const std::string& source) {
     return node;
   } catch (const YAML::Exception& error) {
     throw InputError(
-        fmt::format("{}:{}: not valid YAML: {}", source, error.mark.line + 1, OneLine(error.msg)));
+        fmt::format("{}:{}: not valid YAML: {}{}", source, error.mark.line + 1, OneLine(error.msg),
+                    IsIndentedByTab(text) ? " (tabs are not allowed; use spaces)" : ""));
   }
 }
 

@@ -85,5 +85,10 @@ TEST(ParseYaml, RefusesAFileThatIsCutWithinANumber) {
   }
 }
 
+TEST(ParseYaml, NamesTabsAsACause) {
+  EXPECT_THAT(ErrorFor("a:\n\tb: 1\n\tc: 2\n"), HasSubstr(" (tabs are not allowed; use spaces)"));
+  EXPECT_THAT(ErrorFor("a: [1\nb: 2\n"), testing::Not(HasSubstr("tabs")));
+}
+
 }  // namespace
 }  // namespace pickbed::tests
