@@ -100,7 +100,9 @@ std::string LowerExtension(const fs::path& path) {
 }
 
 [[noreturn]] void RefuseUnreadable(const fs::path& path, const std::string& reason) {
-  throw InputError("cannot read mesh '" + path.string() + "': " + reason +
+  // Messages of the importer end with a period.
+  const std::string text = reason.ends_with('.') ? reason.substr(0, reason.size() - 1) : reason;
+  throw InputError("cannot read mesh '" + path.string() + "': " + text +
                    "; check that the file is complete and that its extension matches its format "
                    "(.obj .ply .stl .dae .gltf .glb)");
 }

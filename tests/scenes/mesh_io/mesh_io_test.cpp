@@ -350,7 +350,7 @@ TEST(LoadMesh, RefusesFilesThatAreNoMesh) {
       {folder.path() / "none.obj", "does not exist"},
       {folder.path(), "does not exist"},
       {folder.Write("empty.obj", ""), "cannot read mesh"},
-      {folder.Write("text.txt", "hello"), "No suitable reader"},
+      {folder.Write("text.txt", "hello"), "text.txt\"; check that"},
       {folder.Write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n"), "no faces"},
       {folder.Write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), "without area"},
       {folder.Write("broken.gltf", "{\"asset\": "), "cannot read mesh"},
