@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "grasp/grippers/table.h"
 #include "scenes/base/error.h"
@@ -13,7 +14,13 @@ namespace {
 
 // Example: "cup_30mm has 12, jaw_14cm has 200". Empty if no other gripper has candidates.
 std::string Offers(const ObjectModel& object, const std::string& without,
-                   const GraspCandidateOptions& options) {
+                   GraspCandidateOptions options) {
+  // A lower limit, for example of a table to print, must not make the grippers look alike.
+  const GraspCandidateOptions usual;
+  options.antipodal.candidates = std::max(options.antipodal.candidates, usual.antipodal.candidates);
+  options.antipodal.resting_candidates =
+      std::max(options.antipodal.resting_candidates, usual.antipodal.resting_candidates);
+  options.suction.candidates = std::max(options.suction.candidates, usual.suction.candidates);
   std::string offers;
   for (const std::string& name : GripperNames()) {
     if (name == without) continue;
