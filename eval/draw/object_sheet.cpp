@@ -149,6 +149,9 @@ std::string List(const Vector3d& v) {
   return fmt::format("[{:g}, {:g}, {:g}]", clean.x(), clean.y(), clean.z());
 }
 
+// Rounds to a multiple of `step`, without a negative zero.
+double Rounded(double value, double step) { return std::round(value / step) * step + 0.0; }
+
 // "z" for a coordinate axis, else its numbers.
 std::string AxisText(const Vector3d& axis) {
   constexpr double kAligned = 1 - 1e-6;
@@ -228,13 +231,18 @@ std::string ObjectText(const MadeObject& made) {
     line("note", fmt::format("mass from the default density {:g} kg/m3 (plastic); steel is 7850",
                              kDefaultDensity_kgpm3));
   }
+  // Smaller products of inertia are rounding errors.
+  const double negligible = 1e-6 * I.diagonal().cwiseAbs().maxCoeff();
+  const auto off = [&](int row, int column) {
+    return std::abs(I(row, column)) > negligible ? I(row, column) : 0.0;
+  };
   line("inertia", fmt::format("xx {:.3g} yy {:.3g} zz {:.3g} xy {:.3g} xz {:.3g} yz {:.3g} kg m2",
-                              I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)));
+                              I(0, 0), I(1, 1), I(2, 2), off(0, 1), off(0, 2), off(1, 2)));
   line("convex pieces",
        fmt::format(
            "{} with {} vertices; largest bulge {:.2f} mm, volume {:+.1f} %, misses {:.2f} mm",
            made.quality.pieces, made.quality.vertices, 1e3 * made.quality.bulge_m,
-           100 * made.quality.volume_error, 1e3 * made.quality.missed_m));
+           Rounded(100 * made.quality.volume_error, 0.1), 1e3 * made.quality.missed_m));
   line("symmetries", SymmetryText(model.symmetries_O));
   for (const RestingPose& pose : made.resting) {
     line("resting poses",

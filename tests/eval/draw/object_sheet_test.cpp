@@ -49,5 +49,15 @@ TEST(ObjectText, SaysThatTheMassIsAGuess) {
               HasSubstr("mass from the default density 1000 kg/m3 (plastic); steel is 7850"));
 }
 
+TEST(ObjectText, ShowsNoRoundingErrors) {
+  MadeObject made;
+  made.model.mesh_O.vertices = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}};
+  made.model.mesh_O.triangles = {{0, 1, 2}};
+  made.model.mass.inertia_com_O << 2e-5, -2.3e-22, 3e-7, -2.3e-22, 3e-5, 0, 3e-7, 0, 4e-5;
+  made.quality.volume_error = -1e-12;
+  EXPECT_THAT(ObjectText(made), HasSubstr("zz 4e-05 xy 0 xz 3e-07 yz 0 kg m2"));
+  EXPECT_THAT(ObjectText(made), HasSubstr("volume +0.0 %"));
+}
+
 }  // namespace
 }  // namespace pickbed::tests
