@@ -5,6 +5,7 @@
 #include "scenes/mesh_io/mesh_io.h"
 #include "scenes/objects/object_catalog.h"
 #include "tests/sim/physics_objects.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
@@ -63,6 +64,14 @@ TEST_F(ObjectMaker, CatalogReadsBackTheWrittenObject) {
   ASSERT_EQ(read->resting_O.size(), made.model.resting_O.size());
   EXPECT_LT((read->resting_O[0].up_O - made.model.resting_O[0].up_O).norm(), 1e-6);
   EXPECT_NEAR(read->resting_O[0].probability, made.model.resting_O[0].probability, 1e-6);
+}
+
+// 1 m x 0.6 m x 0.4 m, at 500 kg/m3.
+TEST_F(ObjectMaker, AMassOver100KilogramsIsRefused) {
+  const AxisAlignedBox block{Eigen::Vector3d::Zero(), {0.5, 0.3, 0.2}};
+  const std::string error = ErrorOf([&] { Make(BoxMesh(block)); });
+  EXPECT_NE(error.find("would have a mass of 120 kg by its volume and density"), std::string::npos)
+      << error;
 }
 
 }  // namespace
