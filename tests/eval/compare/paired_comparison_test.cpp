@@ -369,5 +369,22 @@ TEST(CompareConfigurations, ReportsNamesAndUsesTheBandsOfTheRun) {
   EXPECT_THAT(names, testing::Not(testing::Contains("recall, 10-30 % visible")));
 }
 
+TEST(CompareConfigurations, EachSeedOfASweepIsComparedWithItsOwnFirstConfiguration) {
+  const ConfigurationTrials runs[] = {{"a,seed=3", {"rod"}, OnePickRun({0, 1}), {}},
+                                      {"a,seed=4", {"rod"}, OnePickRun({0, 2}), {}},
+                                      {"b,seed=3", {"rod"}, OnePickRun({0, 3}), {}},
+                                      {"b,seed=4", {"rod"}, OnePickRun({0, 4}), {}}};
+  const std::string other_seed = With("seed: 3", "seed: 4");
+  const std::vector<ConfigurationComparison> compared = CompareWithFirst({{&runs[0], kSettings},
+                                                                          {&runs[1], other_seed},
+                                                                          {&runs[2], kSettings},
+                                                                          {&runs[3], other_seed}});
+  ASSERT_EQ(compared.size(), 2u);
+  EXPECT_EQ(compared[0].before, "a,seed=3");
+  EXPECT_EQ(compared[0].after, "b,seed=3");
+  EXPECT_EQ(compared[1].before, "a,seed=4");
+  EXPECT_EQ(compared[1].after, "b,seed=4");
+}
+
 }  // namespace
 }  // namespace pickbed::tests
