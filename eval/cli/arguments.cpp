@@ -35,6 +35,16 @@ void RefuseNaN(const CLI::App& app, const std::string& command) {
   }
 }
 
+// CLI11 only reports that a subcommand is required.
+void RequireKnownSubcommand(const CLI::App& app, int argc, char** argv) {
+  if (app.get_require_subcommand_min() == 0 || argc < 2 || argv[1][0] == '-') return;
+  std::vector<std::string> names;
+  for (const CLI::App* subcommand : app.get_subcommands({}))
+    names.push_back(subcommand->get_name());
+  CheckInput(std::ranges::find(names, argv[1]) != names.end(),
+             UnknownNameMessage("subcommand", argv[1], names));
+}
+
 }  // namespace
 
 CLI::Option* AddCommonOption(CLI::App& app) {
@@ -56,6 +66,7 @@ bool ParseArguments(CLI::App& app, int argc, char** argv) {
   if (TakeDescription(app)) return false;
   AddCommonOption(app);
   for (CLI::App* subcommand : app.get_subcommands({})) subcommand->fallthrough();
+  RequireKnownSubcommand(app, argc, argv);
   try {
     app.parse(argc, argv);
     RefuseNaN(app, app.get_name());
@@ -108,8 +119,20 @@ void AddTrialsArgument(CLI::App& app, ScenarioRequest& request) {
       ->check(CLI::Range(1, 1000000));
 }
 
-void AddOutArgument(CLI::App& app, std::string& out, const std::string& suffix) {
-  app.add_option("--out", out, "folder of the results [results/<scenario>" + suffix + "]");
+void AddOutArgument(CLI::App& app, std::string& out, const std::string& suffix,
+                    const std::string& name) {
+  app.add_option("--out", out, "folder of the results [results/<" + name + ">" + suffix + "]");
+}
+
+CLI::Validator WithoutUpperLimit(bool from_zero) {
+  const auto fault = [from_zero](std::string& text) {
+    char* end = nullptr;
+    const double number = std::strtod(text.c_str(), &end);
+    const bool is_number = end != text.c_str() && *end == '\0' && std::isfinite(number);
+    if (is_number && (from_zero ? number >= 0 : number > 0)) return std::string();
+    return fmt::format("'{}' is no number {}", text, from_zero ? "from 0" : "above 0");
+  };
+  return {fault, from_zero ? "NONNEGATIVE" : "POSITIVE"};
 }
 
 void AddToleranceArgument(CLI::App& app, std::vector<std::string>& places) {

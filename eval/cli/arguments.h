@@ -49,8 +49,13 @@ void AddTrialsArgument(CLI::App& app, ScenarioRequest& request);
 CLI::Option* AddJobsArgument(CLI::App& app, int& jobs, const std::string& unchanged = "results do");
 // Adds --threads and sets the number to the number of processors.
 CLI::Option* AddThreadsArgument(CLI::App& app, int& threads);
-// Adds --out; the help shows the default results/<scenario><suffix>.
-void AddOutArgument(CLI::App& app, std::string& out, const std::string& suffix = "");
+// Adds --out; the help shows the default results/<name><suffix>. `name` says in words whose name it
+// is.
+void AddOutArgument(CLI::App& app, std::string& out, const std::string& suffix = "",
+                    const std::string& name = "scenario");
+// Returns a check for finite numbers from 0 or above 0. Its message is short; the messages of CLI11
+// have the upper limit with all its digits.
+CLI::Validator WithoutUpperLimit(bool from_zero = true);
 
 // Adds --tolerance: the places of tolerance models, see eval/tolerance/maps.h.
 void AddToleranceArgument(CLI::App& app, std::vector<std::string>& places);

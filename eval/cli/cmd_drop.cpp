@@ -43,7 +43,7 @@ int DropCommand(int argc, char** argv) {
   AddScenarioArguments(app, arguments);
   AddOutArgument(app, out, "-drop");
   app.add_option("--trial", trial, "number of the trial of the scenario, from 0")
-      ->check(CLI::NonNegativeNumber)
+      ->check(WithoutUpperLimit())
       ->capture_default_str();
   app.footer("Example: pickbed drop demo --set objects.0.count=30 --trial 2");
   if (!ParseArguments(app, argc, argv)) return 0;

@@ -28,7 +28,7 @@ int RenderCommand(int argc, char** argv) {
   AddScenarioArguments(app, arguments);
   AddOutArgument(app, out, "-render");
   app.add_option("--trial", trial, "number of the trial of the scenario, from 0")
-      ->check(CLI::NonNegativeNumber)
+      ->check(WithoutUpperLimit())
       ->capture_default_str();
   app.footer("Example: pickbed render demo --set camera.width=1280 --set camera.height=960");
   if (!ParseArguments(app, argc, argv)) return 0;

@@ -109,7 +109,7 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
   app.add_option("--minutes", arguments.max_minutes,
                  "time limit of the whole training, minutes, for at least some minutes per object; "
                  "0 = none")
-      ->check(CLI::NonNegativeNumber)
+      ->check(WithoutUpperLimit())
       ->capture_default_str();
   app.add_option("--seed", arguments.seed, "random seed; the same seed gives the same model")
       ->capture_default_str();

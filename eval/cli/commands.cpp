@@ -106,6 +106,8 @@ constexpr auto kRemedyFlags = std::to_array<RemedyFlag>({
     {"another image folder", "--bop-out"},
     {"ignored names", "--ignore-names"},
     {"the frame of the file's hand", "--frame"},
+    {"the intrinsics of the camera are needed", "--intrinsics"},
+    {"give its depth image, too", "--depth"},
 });
 
 // Adds the flag behind each remedy, because the libraries do not know the flags.

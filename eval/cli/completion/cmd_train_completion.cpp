@@ -142,7 +142,7 @@ int TrainCompletionCommand(int argc, char** argv) {
   app.add_flag("--resume", arguments.resume,
                "continue from the checkpoint of an interrupted training");
   app.add_option("--minutes", arguments.training.max_minutes, "time limit, minutes; 0 = none")
-      ->check(CLI::NonNegativeNumber)
+      ->check(WithoutUpperLimit())
       ->capture_default_str();
   app.add_option("--threads", arguments.training.threads,
                  "threads that make views beside the training; the model does not depend on it")

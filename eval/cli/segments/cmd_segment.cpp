@@ -43,7 +43,7 @@ int SegmentCommand(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--method", options.methods, MethodHelp());
   app.add_option("--pictures", options.pictured_images, "number of images with an overlay picture")
-      ->check(CLI::NonNegativeNumber)
+      ->check(WithoutUpperLimit())
       ->capture_default_str();
   app.add_flag("--json", json, "print the table as JSON on stdout, and nothing else");
   AddOutArgument(app, out, "-segments");

@@ -98,6 +98,28 @@ TEST_F(CommandsTest, MistypedCommandsAndOptionsAreNamed) {
   ExpectRefused({"list", "griper"}, "did you mean 'grippers'");
 }
 
+TEST_F(CommandsTest, MistypedSubcommandsAreNamed) {
+  ExpectRefused({"object", "ad", "x.stl"},
+                "unknown subcommand 'ad'; did you mean 'add'? known: add, sample, families");
+  ExpectRefused({"object"}, "subcommand is required");
+}
+
+TEST_F(CommandsTest, NumbersThatAreNotFiniteAreRefused) {
+  const std::string mesh = File("a.obj", "v 0 0 0\n");
+  ExpectRefused({"object", "add", mesh, "--name", "a", "--friction", "nan"}, "--friction: 'nan'");
+  ExpectRefused({"score", "--bop", Out(), mesh, "--vsd-delta", "nan"}, "--vsd-delta: 'nan'");
+  ExpectRefused({"train", "rod", "--minutes", "nan"}, "--minutes: 'nan' is no number from 0");
+  ExpectRefused({"train", "rod", "--minutes", "inf"}, "--minutes: 'inf' is no number from 0");
+}
+
+TEST_F(CommandsTest, NumbersBelowALimitAreRefusedWithAShortRange) {
+  ExpectRefused({"train", "rod", "--minutes", "-1"}, "--minutes: '-1' is no number from 0; see ");
+  ExpectRefused({"train", "completion", "--minutes", "-1"}, "'-1' is no number from 0; see ");
+  ExpectRefused({"score", "--bop", Out(), "a.csv", "--vsd-delta", "0"},
+                "--vsd-delta: '0' is no number above 0; see ");
+  ExpectRefused({"drop", Scenario(), "--trial", "-1"}, "--trial: '-1' is no number from 0; see ");
+}
+
 TEST_F(CommandsTest, InvalidExplainOptionsAreRefused) {
   const std::vector<std::string> estimate{"estimate", Scenario(), "--out", Out()};
   const auto with = [&](std::vector<std::string> more) {
