@@ -57,7 +57,7 @@ bool ParseSweepArguments(int argc, char** argv, SweepArguments& a) {
                  "number of bins per configuration; replaces the value of the sweep file")
       ->check(CLI::Range(1, 1000000));
   app.add_option("--catalog", a.catalog, "folder with your own objects")->capture_default_str();
-  AddOutArgument(app, a.out);
+  AddOutArgument(app, a.out, "", "name of the sweep file");
   const CLI::Option* jobs = AddJobsArgument(app, a.options.jobs);
   const auto* shard = app.add_option(
       "--shard", a.shard, "run only shard I of N, written I/N; pickbed merge merges the shards");
@@ -172,7 +172,7 @@ int SweepOnSlurm(const SweepArguments& a, const SweepSpec& spec, const std::file
              fmt::format("job {} ended without a finished trial, see {}: {}", report.job_id,
                          (out / kSlurmFolder).string(), fmt::join(report.unfinished, "; ")));
   const MergeReport merged = MergeStores(shards, out);
-  Print(a, merged.configurations, out);
+  Print(a, merged.configurations, OutFolder(a.out, spec.name));
   CheckInput(report.unfinished.empty(),
              fmt::format("job {} left shards unfinished ({}); finished trials are kept, repeat the "
                          "same command to submit the rest",
@@ -197,7 +197,9 @@ int SweepCommand(int argc, char** argv) {
 
   const SweepReport report =
       RunWithProgress(MakeSweep(spec, options.out, a.catalog), options, spec.scenario);
-  if (!report.configurations.empty()) Print(a, report.configurations, options.out);
+  if (!report.configurations.empty()) {
+    Print(a, report.configurations, OutFolder(a.out, spec.name));
+  }
   if (report.interrupted) {
     fmt::print(stderr,
                "pickbed: stopped after {} of {} trials; repeat the same command with --resume to "

@@ -14,6 +14,8 @@ sweep_results_do_not_depend_on_jobs_or_shards() {
   expect 0 "$pickbed" sweep sweep.yaml --jobs 2 --out two --json-progress
   grep -q '^{"what":"trial","done":12,"total":12,.*"success_ci95":\[' last.err || fail "no progress"
   grep -qv '^{' last.err && fail "not every line of progress is JSON"
+  expect 0 "$pickbed" sweep sweep.yaml --jobs 2 --out two --resume
+  grep -q "^results in two$" last.out || fail "the folder of the results is not named as given"
   for i in 2 3 1; do expect 0 "$pickbed" sweep sweep.yaml --shard $i/3 --jobs 2 --out parts; done
   expect 0 "$pickbed" merge parts/shards/* --out joined
   for file in trials.csv attempts.csv instance_outcomes.csv configurations.csv summary.json; do

@@ -59,6 +59,8 @@ TEST(CommandHelp, ValuesRangesAndDefaultsAreInWords) {
   const OptionHelp out = OptionOf(run, "--out");
   EXPECT_EQ(out.default_value, "results/<scenario>");
   EXPECT_EQ(out.help, "folder of the results");
+  EXPECT_EQ(OptionOf(DescribeCommand(RowNamed("sweep")), "--out").default_value,
+            "results/<name of the sweep file>");
   EXPECT_EQ(OptionOf(run, "--jobs").default_value, "number of processors")
       << "the reference must not depend on the machine";
   const OptionHelp task = OptionOf(DescribeCommand(RowNamed("estimate")), "--task");
