@@ -15,20 +15,21 @@
 #include "eval/runtime/progress.h"
 #include "eval/summary/result_files.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 
 namespace pickbed::eval {
 namespace {
 
 std::string ScoreTable(const DatasetScores& scores) {
   std::string text = fmt::format(
-      "BOP19, 6D localisation: {} target instances in {} images\n  AR         {:.3f}\n  AR VSD     "
+      "BOP19, 6D localisation: {} in {}\n  AR         {:.3f}\n  AR VSD     "
       "{:.3f}\n  AR MSSD    {:.3f}\n  AR MSPD    {:.3f}\n  ADI        {:.3f}  share with ADI < 0.1 "
       "diameter\nBOP24, 6D detection\n  AP         {:.3f}\n  AP MSSD    {:.3f}\n  AP MSPD    "
       "{:.3f}\nBOP25, 6D detection\n  AP         {:.3f}  MSSD, 0.05 to 0.5 diameters\n  AP mm      "
       "{:.3f}  MSSD, 2 to 20 mm\n",
-      scores.wanted, scores.images, scores.ar(), scores.ar_vsd, scores.ar_mssd, scores.ar_mspd,
-      scores.adi_recall, scores.ap(), scores.ap_mssd, scores.ap_mspd, scores.ap_mssd,
-      scores.ap_mssd_mm);
+      Counted(scores.wanted, "target instance"), Counted(scores.images, "image"), scores.ar(),
+      scores.ar_vsd, scores.ar_mssd, scores.ar_mspd, scores.adi_recall, scores.ap(), scores.ap_mssd,
+      scores.ap_mspd, scores.ap_mssd, scores.ap_mssd_mm);
   text += "object  targets  AR VSD  AR MSSD  AR MSPD    ADI  AP MSSD  AP MSPD\n";
   for (const auto& [id, object] : scores.objects) {
     text += fmt::format("{:>6}  {:>7}  {:>6.3f}  {:>7.3f}  {:>7.3f}  {:>5.3f}", id, object.wanted,
@@ -190,7 +191,7 @@ int ScoreCommand(int argc, char** argv) {
   app.add_option("--vsd-delta", delta_mm,
                  "VSD: distance behind the measured depth up to which a pixel counts as visible, "
                  "mm; BOP uses 5 for itodd")
-      ->check(CLI::PositiveNumber)
+      ->check(WithoutUpperLimit(/*from_zero=*/false))
       ->capture_default_str();
   app.add_option(
          "--tolerance", tolerances,

@@ -10,6 +10,7 @@
 #include "eval/runtime/progress.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 
 namespace pickbed::eval {
 namespace {
@@ -55,9 +56,9 @@ int Make(const MakeArguments& arguments) {
         fmt::format("{} scenes failed, the first is scene {}: {}; --resume repeats them",
                     report.lost.size(), report.lost.front().item, report.lost.front().why));
   }
-  fmt::print("{} scenes with {} views each in {} ({} images made in {:.1f} s)\n", report.done,
-             options.views, options.out.string(),
-             (report.done - report.done_before) * options.views, seconds);
+  fmt::print("{} with {} each in {} ({} made in {:.1f} s)\n", Counted(report.done, "scene"),
+             Counted(options.views, "view"), options.out.string(),
+             Counted((report.done - report.done_before) * options.views, "image"), seconds);
   return 0;
 }
 
@@ -69,11 +70,11 @@ int Check(const std::string& path) {
         CheckDataset(path, [&](const std::string& scene) { progress.Show("checking " + scene); });
   }
   for (const std::string& fault : report.faults) fmt::print("{}\n", fault);
-  fmt::print("{} objects, {} scenes, {} images, {} instances: {}\n", report.objects, report.scenes,
-             report.images, report.instances,
-             report.faults.empty() ? "no fault" : fmt::format("{} faults", report.faults.size()));
-  CheckInput(report.faults.empty(),
-             fmt::format("{}: {} faults, listed above", path, report.faults.size()));
+  const std::string faults = Counted(report.faults.size(), "fault");
+  fmt::print("{}, {}, {}, {}: {}\n", Counted(report.objects, "object"),
+             Counted(report.scenes, "scene"), Counted(report.images, "image"),
+             Counted(report.instances, "instance"), report.faults.empty() ? "no fault" : faults);
+  CheckInput(report.faults.empty(), fmt::format("{}: {}, listed above", path, faults));
   return 0;
 }
 

@@ -11,6 +11,7 @@
 #include "eval/runtime/progress.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 #include "scenes/image/image_io.h"
 #include "scenes/objects/object_catalog.h"
 #include "scenes/shape_families/sampled_names.h"
@@ -129,9 +130,8 @@ void Sample(const SampleArguments& arguments) {
     WriteObject(MakeSampledObject(shape), std::filesystem::path(arguments.out) / name);
   }
   progress.Show("done", true);
-  fmt::print(
-      "{} object{} written to {}\nnext: name them in a scenario file and pass --catalog {}\n",
-      arguments.count, arguments.count == 1 ? "" : "s", arguments.out, arguments.out);
+  fmt::print("{} written to {}\nnext: name them in a scenario file and pass --catalog {}\n",
+             Counted(static_cast<size_t>(arguments.count), "object"), arguments.out, arguments.out);
 }
 
 void AddSampleCommand(CLI::App& app, SampleArguments& a) {

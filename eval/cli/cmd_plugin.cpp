@@ -1,13 +1,34 @@
 #include <fmt/format.h>
 
 #include <sstream>
+#include <string_view>
+#include <vector>
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/estimate/plugin_check.h"
 #include "scenes/base/error.h"
+#include "scenes/base/message_text.h"
 
 namespace pickbed::eval {
+namespace {
+
+// Adds the option behind a setting, because other commands set the time limit in the scenario.
+std::string WithTimeoutOption(std::string text) {
+  constexpr std::string_view kRemedy = "raise timeout_s";
+  const size_t place = text.find(kRemedy);
+  return place == std::string::npos ? text : text.insert(place + kRemedy.size(), " (--timeout)");
+}
+
+std::vector<PluginCheckup> Checkups(const PluginCheckJob& job) {
+  try {
+    return CheckPlugin(job);
+  } catch (const InputError& error) {
+    throw InputError(WithTimeoutOption(error.what()));
+  }
+}
+
+}  // namespace
 
 int PluginCommand(int argc, char** argv) {
   CLI::App app(
@@ -27,7 +48,9 @@ int PluginCommand(int argc, char** argv) {
   app.add_option("--role", job.role, "what the program does")
       ->check(CLI::IsMember({kEstimatorRole, kPlannerRole}))
       ->capture_default_str();
-  app.add_option("--timeout", job.address.timeout_s, "maximum time for each answer, s")
+  app.add_option("--timeout", job.address.timeout_s,
+                 fmt::format("maximum time for each answer, s; the first answer may take {:g} s",
+                             job.address.start_timeout_s))
       ->check(CLI::Range(0.01, 86400.0))
       ->capture_default_str();
   app.add_option("--images", job.images, "number of images for the times")
@@ -45,13 +68,14 @@ int PluginCommand(int argc, char** argv) {
              "give either COMMAND or --connect host:port; see pickbed plugin --help");
   job.scenario = FindScenario(request);
   int broken = 0;
-  for (const PluginCheckup& checkup : CheckPlugin(job)) {
-    fmt::print("{:<7}{:<10}{}\n", checkup.ok ? "ok" : "not ok", checkup.name, checkup.found);
+  for (const PluginCheckup& checkup : Checkups(job)) {
+    fmt::print("{:<7}{:<10}{}\n", checkup.ok ? "ok" : "not ok", checkup.name,
+               WithTimeoutOption(checkup.found));
     for (const std::string& line : checkup.remedy) fmt::print("       {}\n", line);
     broken += !checkup.ok;
   }
-  CheckInput(broken == 0,
-             fmt::format("{} checks failed; what to correct is printed below each", broken));
+  CheckInput(broken == 0, fmt::format("{} failed; what to correct is printed below each",
+                                      Counted(static_cast<size_t>(broken), "check")));
   return 0;
 }
 

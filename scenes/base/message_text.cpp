@@ -49,4 +49,8 @@ std::string Printable(const std::string& text) {
   return printable;
 }
 
+std::string Counted(size_t count, const std::string& noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 }  // namespace pickbed::scenes

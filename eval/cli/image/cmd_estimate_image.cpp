@@ -16,6 +16,7 @@
 #include "eval/summary/result_files.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 #include "scenes/geometry/symmetry_finder.h"
 #include "scenes/image/image_io.h"
 #include "scenes/mesh_io/mesh_inspection.h"
@@ -101,6 +102,16 @@ InputError WithMeshHint(const InputError& error, const ImageArguments& image,
       estimator, mesh, mesh, name, train, name, name, estimator, name));
 }
 
+// Returns what to do if no pose was found. Empty if a lower limit of the score would not help.
+std::string NoPoseHint(double min_score) {
+  if (min_score <= 0) return "";
+  constexpr double kLow = 0.1;
+  return fmt::format(
+      "no pose has a score of estimator.min_score = {:g} or more; lower it with --set "
+      "estimator.min_score={:g}",
+      min_score, min_score > kLow ? kLow : 0);
+}
+
 }  // namespace
 
 void AddImageArguments(CLI::App& app, ImageArguments& image) {
@@ -149,11 +160,15 @@ int EstimateImage(const ScenarioRequest& arguments, const ImageArguments& image,
                    Doubts(objects, depth_name, read)};
   const RegionSpec region_spec = roi.empty() ? settings.roi : ParseRegion(roi);
   std::optional<ImageRegion> region;
-  if (!region_spec.empty()) region = MakeRegion(region_spec, read.frame, std::nullopt, objects);
+  if (!region_spec.empty()) {
+    region = MakeRegion(region_spec, read.frame, std::nullopt, objects);
+    RequireReadingsIn(*region, read.frame, roi.empty() ? "roi" : roi);
+  }
   const std::filesystem::path folder = OutFolder(out, file.stem().string(), "-estimate");
   MakeFolder(folder);
 
   EstimateResult result;
+  std::string hint;
   {
     ProgressLine progress;
     ImageEstimatorSetup setup{objects, estimator, settings.refiner, threads, folder / kLogsFolder};
@@ -173,6 +188,7 @@ int EstimateImage(const ScenarioRequest& arguments, const ImageArguments& image,
     if (region) input.region = &region->pixels;
     Rng rng = Rng::Derive(settings.seed, 0, "image/estimate");
     result = runner->Estimate(input, rng);
+    if (result.hypotheses.empty() && !result.failure) hint = NoPoseHint(estimator.min_score);
     if (region) KeepPosesIn(*region, read.frame.intrinsics, objects, result.hypotheses);
   }
   if (result.failure) facts.warnings.push_back(result.failure->text);
@@ -183,6 +199,7 @@ int EstimateImage(const ScenarioRequest& arguments, const ImageArguments& image,
         "no table, floor or bin was recognised: poses on it may have high scores");
   }
   for (const std::string& warning : facts.warnings) Say(warning);
+  if (!hint.empty()) Say(hint);
 
   const Image<Rgb8> picture = VisibleImage(read.frame);
   OverlayInput overlay{picture, read.frame.intrinsics, objects, {}};
@@ -201,7 +218,7 @@ int EstimateImage(const ScenarioRequest& arguments, const ImageArguments& image,
     fmt::print("{} score {:.3f} at x {:.1f} y {:.1f} z {:.1f} mm\n", objects[pose.object]->name,
                pose.score, t_mm.x(), t_mm.y(), t_mm.z());
   }
-  fmt::print("{} poses; {}, {} and {} in {}\n", result.hypotheses.size(), kOverlayFile,
+  fmt::print("{}; {}, {} and {} in {}\n", Counted(result.hypotheses.size(), "pose"), kOverlayFile,
              kPosesJsonFile, kPosesCsvFile, folder.string());
   return 0;
 }

@@ -102,8 +102,10 @@ image_gives_overlay_and_poses() {
   [ "$(grep -c '^rod,' poses/poses.csv)" -ge 2 ] || fail "too few poses"
   expect 0 "$pickbed" estimate "${image[@]}" --object rod --threads 2 --out again
   diff -r poses again >&2 || fail "a second estimate differs"
-  expect 0 "$pickbed" estimate "${image[@]}" --object rod --roi camera:-9,-9,0.01,9,9,0.02 --out none
-  [ "$(wc -l <none/poses.csv)" = 1 ] || fail "poses outside the region are reported"
+  expect 0 "$pickbed" estimate "${image[@]}" --object rod --set estimator.min_score=1 --out none
+  [ "$(wc -l <none/poses.csv)" = 1 ] || fail "poses with low scores are reported"
+  grep -q "estimator.min_score = 1 or more; lower it with --set estimator.min_score=0.1" last.err ||
+    fail "no remedy without poses"
   expect 0 "$pickbed" estimate --bop set --roi camera:-9,-9,0.01,9,9,0.02 --out none
   [ "$(wc -l <none/descriptor_set-test.csv)" = 1 ] || fail "poses outside the region are reported"
   expect 0 "$pickbed" estimate rods.yaml --set roi.max_m=[0.001,0.001,0.001] --out none
@@ -114,8 +116,8 @@ image_with_bad_files_gets_one_line() {
   _image
   local image=(color.png --depth depth.png) k=(--intrinsics camera.json)
   refused "give the objects to search" "$pickbed" estimate "${image[@]}" "${k[@]}" --out no
-  refused "is a colour image" "$pickbed" estimate color.png "${k[@]}" --mesh part.ply --out no
-  refused "intrinsics of the camera are needed" "$pickbed" estimate "${image[@]}" --mesh part.ply --out no
+  refused "give its depth image, too (--depth)" "$pickbed" estimate color.png "${k[@]}" --mesh part.ply --out no
+  refused "intrinsics of the camera are needed (--intrinsics)" "$pickbed" estimate "${image[@]}" --mesh part.ply --out no
   refused "px wide" "$pickbed" estimate "${image[@]}" "${k[@]}" --mesh part.ply --unit cm --depth-scale 0.01 --out no
   refused "check the unit" "$pickbed" estimate "${image[@]}" "${k[@]}" --mesh part.ply --unit m --out no
   refused "the median depth would be" "$pickbed" estimate "${image[@]}" "${k[@]}" --mesh part.ply --depth-scale 1000 --out no
@@ -123,6 +125,10 @@ image_with_bad_files_gets_one_line() {
   refused "principal point" "$pickbed" estimate "${image[@]}" --intrinsics 340,340,640,120 --mesh part.ply --out no
   refused "is not known; give the box in the camera frame" \
     "$pickbed" estimate "${image[@]}" "${k[@]}" --object rod --roi world:0,0,0,1,1,1 --out no
+  refused "region 'camera:5,5,5,6,6,6': no depth reading of the image is in it" \
+    "$pickbed" estimate "${image[@]}" "${k[@]}" --object rod --roi camera:5,5,5,6,6,6 --out no
+  refused "--verifier-for ppf --out models/part.net\`, and then give --object part with --estimator ppf:verified=models/part.net" \
+    "$pickbed" estimate "${image[@]}" "${k[@]}" --mesh part.ply --estimator ppf:verified --out no
   refused "--estimator ppf, which needs no training" "$pickbed" estimate "${image[@]}" "${k[@]}" --mesh part.ply --out no
   refused "neither --explain" "$pickbed" estimate "${image[@]}" "${k[@]}" --mesh part.ply --explain 1 --out no
   refused "a SCENARIO has the setting roi" "$pickbed" estimate rods.yaml --roi auto --out no

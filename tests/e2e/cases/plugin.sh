@@ -174,8 +174,11 @@ plugin_check_prints_what_to_correct() {
   grep -q "^ok *answer" last.out || fail "the answer is not checked"
   grep -q "^not ok *blank" last.out || fail "the blank image is not checked"
   grep -q "ZeroDivisionError" last.out || fail "no traceback"
-  grep -q "1 checks failed" last.err || fail "no count"
+  grep -q "1 check failed" last.err || fail "no count"
   refused "give either COMMAND or --connect" "$pickbed" plugin check
+  _estimator_with 'time.sleep(60)'
+  "$pickbed" plugin check "python3 estimator.py" --timeout 1 >last.out 2>last.err
+  cat last.out last.err | grep -q "raise timeout_s (--timeout)" || fail "--timeout is not named"
 }
 
 # _found AT_LEAST COMMAND...: runs plugin check and expects that so many of three instances are found.

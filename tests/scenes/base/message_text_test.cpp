@@ -31,5 +31,11 @@ TEST(IsUtf8, FollowsRfc3629) {
   }
 }
 
+TEST(Counted, OnlyOneIsSingular) {
+  EXPECT_EQ(Counted(0, "pose"), "0 poses");
+  EXPECT_EQ(Counted(1, "pose"), "1 pose");
+  EXPECT_EQ(Counted(2, "pose"), "2 poses");
+}
+
 }  // namespace
 }  // namespace pickbed::tests
