@@ -32,8 +32,10 @@ std::vector<NamedStatistic> StatisticList(const ComparedRow& row, const Comparis
        fmt::format("{} ({} of {})", PercentNumber(f.bins > 0 ? 1.0 * f.top_right / f.bins : 0),
                    f.top_right, f.bins)},
       {fmt::format("{} top-ranked poses right, %", kTopPoses),
-       fmt::format("{} ({} of {})", PercentNumber(f.bins > 0 ? 1.0 * f.top5_right / f.bins : 0),
-                   f.top5_right, f.bins)},
+       f.top5_bins > 0
+           ? fmt::format("{} ({} of {})", PercentNumber(1.0 * f.top5_right / f.top5_bins),
+                         f.top5_right, f.top5_bins)
+           : "-"},
       {"recall, %",
        fmt::format("{} ({} of {})", PercentNumber(f.recall()), f.recalled, f.instances)}};
   if (f.top_pick_chance) {
@@ -143,9 +145,8 @@ ReportChart RecallChart(const std::vector<ComparedRow>& rows) {
   for (const RecallBand& band : EmptyRecallBands()) bands.push_back(BandName(band));
   std::vector<RateCurve> curves;
   for (const ComparedRow& row : rows) curves.push_back(RecallCurve(row));
-  return RateCurves(
-      {"recall", "Recall by visible fraction", "Shaded: 95 % intervals over bins.", ""},
-      "visible fraction of the instance", "recall", bands, curves);
+  return RateCurves({"recall", "Recall by visible fraction", "Bars: 95 % intervals over bins.", ""},
+                    "visible fraction of the instance", "recall", bands, curves);
 }
 
 ReportChart ReliabilityChart(const std::vector<ComparedRow>& rows) {
@@ -169,7 +170,8 @@ ResultColumns EstimatorComparisonColumns() {
       {"object", "name of the object, or all"},
       {"bins", "number of images, one per bin"},
       {"top_right", "number of images whose highest-ranked pose is correct"},
-      {"top5_right", "number of images whose 5 highest-ranked poses are correct"},
+      {"top5_right",
+       "number of images whose 5 highest-ranked poses are correct; needs 5 instances"},
       {"instances", "number of instances with a visible fraction of at least 0.1"},
       {"recalled", "number of these instances with a correct pose"},
       {"poses", "number of reported poses"},

@@ -100,7 +100,10 @@ ComparisonStatistics StatisticsOf(const ComparedRow& row, std::optional<ObjectId
     std::vector<double>& rotations_here_deg = rotations_deg.emplace_back();
     std::vector<double>& mssds_here = mssds.emplace_back();
     statistics.top_right += !image.hypotheses.empty() && image.hypotheses.front().record.correct;
-    statistics.top5_right += TopPosesRight(image);
+    if (image.instances.size() >= kTopPoses) {
+      ++statistics.top5_bins;
+      statistics.top5_right += TopPosesRight(image);
+    }
     CountInstances(image, object, statistics);
     for (const ScoredHypothesis& hypothesis : image.hypotheses) {
       const HypothesisRecord& pose = hypothesis.record;

@@ -23,9 +23,9 @@ inline constexpr int kTopPoses = 5;  // of `top5_right`
 struct ComparisonStatistics {
   int bins = 0,
       top_right = 0;  // bins whose highest-ranked pose is correct; a bin without a pose is not
-  // Bins whose kTopPoses highest-ranked poses are correct poses of different instances; a bin with
-  // fewer poses is not.
-  int top5_right = 0;
+  // Bins with at least kTopPoses instances. Those whose kTopPoses highest-ranked poses are correct
+  // poses of different instances; a bin with fewer poses is not.
+  int top5_bins = 0, top5_right = 0;
   int instances = 0, recalled = 0;  // instances at least 10 % visible
   std::vector<RecallBand> bands;    // 10-30, 30-50, 50-70, 70-90, 90-100 % visible
   int poses = 0, right = 0;         // reported poses; correct ones, at most one per instance

@@ -148,6 +148,7 @@ TEST(ComparisonTable, LongLabelsKeepColumnsAligned) {
 // ones.
 TEST(ComparisonStatistics, TopPosesAreRightOnlyIfThereAreFiveRightOnes) {
   ComparedRow row = HandWorked();
+  row.images[0].score.instances.resize(kTopPoses);
   std::vector<ScoredHypothesis>& poses = row.images[0].score.hypotheses;
   ScoredHypothesis right = poses.front();
   right.recalled = 0;
@@ -161,6 +162,18 @@ TEST(ComparisonStatistics, TopPosesAreRightOnlyIfThereAreFiveRightOnes) {
   EXPECT_EQ(StatisticsOf(row).top5_right, 1) << "the sixth pose does not count";
   std::swap(poses.back(), poses.front());
   EXPECT_EQ(StatisticsOf(row).top5_right, 0);
+}
+
+TEST(ComparisonStatistics, BinsWithFewerThanFiveInstancesHaveNoFiveTopPoses) {
+  ComparedRow row = HandWorked();
+  ASSERT_LT(row.images[0].score.instances.size(), static_cast<size_t>(kTopPoses));
+  EXPECT_EQ(StatisticsOf(row).top5_bins, 0);
+  EXPECT_THAT(ComparisonTable({row}), testing::ContainsRegex("5 top-ranked poses right, % +-\n"));
+  row.images.push_back(row.images[0]);
+  row.images[1].score.instances.resize(kTopPoses);
+  EXPECT_EQ(StatisticsOf(row).top5_bins, 1);
+  EXPECT_THAT(ComparisonTable({row}),
+              testing::ContainsRegex("5 top-ranked poses right, % +0.0 \\(0 of 1\\)\n"));
 }
 
 TEST(ComparisonStatistics, ThresholdsDoNotSeparateEqualScores) {
