@@ -9,6 +9,7 @@
 #include "eval/page/html.h"
 #include "eval/report/views_3d.h"
 #include "eval/store/results_store.h"
+#include "eval/store/settings_difference.h"
 #include "eval/store/store_check.h"
 #include "eval/summary/fill_text.h"
 #include "eval/summary/result_files.h"
@@ -306,6 +307,22 @@ std::vector<PointPair> PairsOf(const ReportRun& a, const ReportRun& b) {
   return pairs;
 }
 
+// Returns the settings that differ between compared configurations, one row each.
+TableCells DifferentSettingsOf(const ReportRun& a, const ReportRun& b,
+                               const std::vector<PointPair>& pairs) {
+  const bool many = pairs.size() > 1;
+  TableCells cells{{"setting", a.name, b.name}};
+  if (many) cells[0].insert(cells[0].begin(), "configuration");
+  for (const PointPair& pair : pairs) {
+    const ReportConfiguration &before = a.configurations[pair.a], &after = b.configurations[pair.b];
+    for (const SettingDifference& difference : DifferentSettings(before.identity, after.identity)) {
+      cells.push_back({SettingInWords(difference.key), difference.before, difference.now});
+      if (many) cells.back().insert(cells.back().begin(), before.trials.name);
+    }
+  }
+  return cells;
+}
+
 // Crashed trials are not part of any rate.
 std::string CrashedText(const ReportRun& run) {
   if (run.crashed.empty()) return "";
@@ -371,9 +388,10 @@ RunComparison CompareRuns(ReportRun a, ReportRun b, const ObjectCatalog& catalog
                           const ReportOptions& options) {
   CheckInput(a.name != b.name, fmt::format("{} is named twice; name two runs", a.name));
   const std::vector<PointPair> pairs = PairsOf(a, b);
+  ReportContents contents;
+  contents.different_settings = DifferentSettingsOf(a, b, pairs);
   const AllConfigurations all = AllConfigurationsOf({&a, &b});
   const std::vector<PairedConfiguration> configurations = PairedConfigurationsOf(all);
-  ReportContents contents;
   contents.title = fmt::format("{} compared with {}", b.name, a.name);
   for (const ReportRun* run : {&a, &b}) {
     if (run->configurations.size() == 1) {

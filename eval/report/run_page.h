@@ -42,6 +42,8 @@ struct ReportContents {
   std::vector<std::string> about;  // paragraphs
   std::string overlay_jpeg;        // of the first attempt; empty = no picture
   std::vector<ConfigurationReport> configurations;
+  // Settings that differ between two runs, with a header row. Empty: no such section.
+  TableCells different_settings;
   std::vector<ReportTable> comparisons;  // paired differences
   std::vector<GalleryEntry> gallery;
   int failed_picks = 0;      // number of all failed picks

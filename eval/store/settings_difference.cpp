@@ -112,13 +112,14 @@ std::string InWords(const std::string& key, const std::string& was, const std::s
 
 }  // namespace
 
-std::vector<std::string> SettingsDifferences(const std::string& before, const std::string& now) {
+std::vector<SettingDifference> DifferentSettings(const std::string& before,
+                                                 const std::string& now) {
   const Values old_values = ValuesOf(before), new_values = ValuesOf(now);
   std::vector<std::string> keys = old_values.keys;
   for (const std::string& key : new_values.keys) {
     if (!old_values.of_key.contains(key)) keys.push_back(key);
   }
-  std::vector<std::string> differences;
+  std::vector<SettingDifference> differences;
   for (const std::string& key : keys) {
     const auto was = old_values.of_key.find(key), is = new_values.of_key.find(key);
     const size_t count_was = was == old_values.of_key.end() ? 0 : was->second.size();
@@ -126,10 +127,24 @@ std::vector<std::string> SettingsDifferences(const std::string& before, const st
     for (size_t i = 0; i < std::max(count_was, count_is); ++i) {
       const std::string value_was = i < count_was ? was->second[i] : kNothing;
       const std::string value_is = i < count_is ? is->second[i] : kNothing;
-      if (value_was != value_is) differences.push_back(InWords(key, value_was, value_is));
+      if (value_was != value_is) differences.push_back({key, value_was, value_is});
     }
   }
   return differences;
+}
+
+std::string SettingInWords(const std::string& key) {
+  if (key.starts_with("# grasps chosen")) return "grasps of a caller";
+  const std::string thing = HashedThing(key);
+  return thing.empty() ? key : thing;
+}
+
+std::vector<std::string> SettingsDifferences(const std::string& before, const std::string& now) {
+  std::vector<std::string> texts;
+  for (const SettingDifference& difference : DifferentSettings(before, now)) {
+    texts.push_back(InWords(difference.key, difference.before, difference.now));
+  }
+  return texts;
 }
 
 }  // namespace pickbed::eval

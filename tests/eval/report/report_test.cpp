@@ -33,8 +33,8 @@ class RunReportPageTest : public testing::Test {
     options_.views = 0;  // stub trials have no scenes
     options_.page_folder = temporary_.path();
   }
-  static void WriteRun(const std::filesystem::path& folder,
-                       const std::vector<TrialResult>& trials) {
+  static void WriteRun(const std::filesystem::path& folder, const std::vector<TrialResult>& trials,
+                       const std::string& more_identity = "") {
     MakeFolder(folder);
     const std::string scenario =
         "seed: 17\nobjects: [{name: rod, count: 6}, {name: flange, count: 6}]\n";
@@ -42,7 +42,7 @@ class RunReportPageTest : public testing::Test {
     ResultsStore store(folder, {scenario,
                                 {{.name = "",
                                   .trials = static_cast<int>(trials.size()),
-                                  .identity = scenario,
+                                  .identity = scenario + more_identity,
                                   .settings = scenario}}});
     for (const TrialResult& trial : trials) store.Write(trial);
   }
@@ -73,8 +73,22 @@ TEST_F(RunReportPageTest, DamagedPictureIsLeftOut) {
   EXPECT_THAT(page, Not(HasSubstr("class=\"overlay\"")));
 }
 
+TEST_F(RunReportPageTest, ComparisonNamesTheSettingsThatDiffer) {
+  const std::filesystem::path other = temporary_.path() / "other";
+  WriteRun(other, StubTrials(kTrials), "sensor: a<b\n");
+  const auto page_of = [&](const std::filesystem::path& a, const std::filesystem::path& b) {
+    return CompareRuns(ReadReportRun(a), ReadReportRun(b), OpenCatalog("none"), options_).page;
+  };
+  EXPECT_THAT(page_of(run_, other),
+              AllOf(HasSubstr("Settings that differ"),
+                    HasSubstr("<td>sensor</td><td>nothing</td><td>a&lt;b</td>")));
+  const std::filesystem::path same = temporary_.path() / "same";
+  WriteRun(same, StubTrials(kTrials));
+  EXPECT_THAT(page_of(run_, same), HasSubstr("All settings that affect the results are equal."));
+}
+
 TEST_F(RunReportPageTest, ARunWithoutPosesHasNoChartsOfPoses) {
-  EXPECT_THAT(Page(), AllOf(HasSubstr("Pose error"), HasSubstr("Calibration of the confidence")));
+  EXPECT_THAT(Page(), AllOf(HasSubstr("Pose error"), HasSubstr("Calibration of the score")));
   std::vector<TrialResult> trials = StubTrials(kTrials);
   for (TrialResult& trial : trials) {
     for (AttemptRecord& attempt : trial.attempts) {
@@ -88,7 +102,7 @@ TEST_F(RunReportPageTest, ARunWithoutPosesHasNoChartsOfPoses) {
   const std::string page = PageOf(run);
   EXPECT_THAT(page, HasSubstr("Failed picks by reason"));
   EXPECT_THAT(page, Not(HasSubstr("Pose error")));
-  EXPECT_THAT(page, Not(HasSubstr("Calibration of the confidence")));
+  EXPECT_THAT(page, Not(HasSubstr("Calibration of the score")));
 }
 
 TEST_F(RunReportPageTest, ThumbnailsAndScenarioAreLinkedRelativeToThePage) {

@@ -34,6 +34,19 @@ TEST(SettingsDifferences, NameKeyAndBothValues) {
               ElementsAre("sensor: structured_light before, nothing now"));
 }
 
+TEST(DifferentSettings, HaveKeyAndBothValues) {
+  EXPECT_THAT(DifferentSettings(kBefore, kBefore), IsEmpty());
+  const auto mode = DifferentSettings(kBefore, Changed("mode: fast", "mode: accurate"));
+  ASSERT_EQ(mode.size(), 1u);
+  EXPECT_EQ(mode[0].key, "estimator.mode");
+  EXPECT_EQ(mode[0].before, "fast");
+  EXPECT_EQ(mode[0].now, "accurate");
+  EXPECT_EQ(SettingInWords(mode[0].key), "estimator.mode");
+  const auto model = DifferentSettings(kBefore, Changed("4567", "9999"));
+  ASSERT_EQ(model.size(), 1u);
+  EXPECT_EQ(SettingInWords(model[0].key), "trained model");
+}
+
 TEST(SettingsDifferences, HashesAreNamedByWhatTheyDescribe) {
   EXPECT_THAT(SettingsDifferences(kBefore, Changed("0123", "9999")),
               ElementsAre("mesh or mass of object rod has changed"));
