@@ -76,13 +76,18 @@ bool HasNumbers(const TableCells& cells, size_t column) {
   return numbers > others;
 }
 
-// Formats "87.5 % [69.0, 95.7]" so that a line break is only possible before the interval.
+// Formats "87.5 % [69.0, 95.7]" so that a line break is only possible before the interval. A count
+// after the interval has its own element.
 std::string NumberHtml(const std::string& cell) {
   const size_t interval = cell.find(" [");
   std::string html = EscapeHtml(cell.substr(0, interval));
   if (const size_t at = html.find(" %"); at != std::string::npos) html.replace(at, 1, "&nbsp;");
   if (interval == std::string::npos) return html;
-  return html + " <span>" + EscapeHtml(cell.substr(interval + 1)) + "</span>";
+  const size_t count = cell.find("] ", interval);
+  const size_t length = count == std::string::npos ? count : count - interval;
+  html += " <span>" + EscapeHtml(cell.substr(interval + 1, length)) + "</span>";
+  if (count == std::string::npos) return html;
+  return html + " <span class=\"count\">" + EscapeHtml(cell.substr(count + 2)) + "</span>";
 }
 
 // Names of configurations such as "estimator.name=ppf,seed=1" may break only between words.

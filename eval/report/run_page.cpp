@@ -50,10 +50,9 @@ std::vector<HeadlineStatistic> HeadlineOf(const ConfigurationReport& configurati
                         fmt::format("median of {} hold tests, minimum {:.1f} g", s.retention.picks,
                                     s.retention.min_g)});
   }
-  headline.push_back({"bins", std::to_string(s.trials),
-                      s.refused.empty()
-                          ? ""
-                          : fmt::format("{} scenes rejected and dropped again", s.refused.size())});
+  headline.push_back(
+      {"bins", std::to_string(s.trials),
+       s.refused.empty() ? "" : fmt::format("{} rejected and dropped again", s.refused.size())});
   return headline;
 }
 
@@ -183,7 +182,7 @@ std::string CardHtml(const GalleryEntry& entry, const std::string& configuration
   if (!pick.object.empty()) fact("object", pick.object);
   if (pick.confidence >= 0) {
     data += fmt::format(" data-confidence=\"{:.4f}\"", pick.confidence);
-    fact("confidence", fmt::format("{:.2f}", pick.confidence));
+    fact("score", fmt::format("{:.2f}", pick.confidence));
   }
   if (pick.mssd_diameters >= 0) {
     data += fmt::format(" data-error=\"{:.5f}\"", pick.mssd_diameters);
@@ -208,6 +207,13 @@ std::string CardHtml(const GalleryEntry& entry, const std::string& configuration
       "<article class=\"failure\"{}>{}<b>{}</b>{} stage<br><code>{}</code> attempt {}<dl>{}</dl>"
       "</article>\n",
       data, picture, reason, stage, EscapeHtml(entry.address), pick.attempt, facts);
+}
+
+void AddDifferentSettings(const TableCells& settings, HtmlPage& page) {
+  if (settings.empty()) return;
+  page.Heading("Settings that differ", "settings-that-differ");
+  if (settings.size() == 1) return page.Note("All settings that affect the results are equal.");
+  page.Table(settings);
 }
 
 // Many tables are collapsed, so that the charts below them are not overlooked.
@@ -252,7 +258,7 @@ void AddGallery(const ReportContents& contents, HtmlPage& page) {
       "<label>Order <select name=\"order\">{}{}{}{}{}</select></label>"
       "<span class=\"note shown\" role=\"status\"></span></div>\n<div class=\"gallery\">\n",
       reason_options, OptionHtml("trial", "by trial"), OptionHtml("reason", "by reason"),
-      OptionHtml("confidence down", "highest confidence first"),
+      OptionHtml("confidence down", "highest score first"),
       OptionHtml("error down", "largest error first"), OptionHtml("visible", "most hidden first"));
   const bool many = contents.configurations.size() > 1;
   for (const GalleryEntry& entry : contents.gallery) {
@@ -288,7 +294,8 @@ void AddAnimatedPicks(const ReportContents& contents, HtmlPage& page) {
       contents.picks_note);
   std::string html = "<div class=\"views screen\">\n";
   for (const ReportView& pick : contents.picks) {
-    html += "<div class=\"pick\">" + ViewerHtml(pick, "autoplay camera-orbit=\"20deg 55deg 60%\"") +
+    html += "<div class=\"pick\">" +
+            ViewerHtml(pick, "autoplay camera-orbit=\"20deg 55deg auto\"") +
             "<div class=\"controls\"><button type=\"button\">Pause</button>"
             "<input type=\"range\" min=\"0\" max=\"1\" step=\"any\" value=\"0\" "
             "aria-label=\"time\"><span class=\"note\"></span></div></div>\n";
@@ -322,7 +329,8 @@ void AddScenarios(const std::vector<ShownScenario>& scenarios, HtmlPage& page) {
 }  // namespace
 
 std::string ViewHtml(const ReportView& view) {
-  std::string html = "<div class=\"view\">" + ViewerHtml(view, "camera-orbit=\"25deg 50deg 65%\"") +
+  std::string html = "<div class=\"view\">" +
+                     ViewerHtml(view, "camera-orbit=\"25deg 50deg auto\"") +
                      "<div class=\"controls\">";
   for (const ViewLayer& layer : ViewLayers()) {
     // Names in the scene begin with the prefix of their layer.
@@ -345,7 +353,9 @@ std::string ReportPage(const ReportContents& contents) {
   if (configurations.size() == 1) {
     AddPoint(configurations[0], page);
   } else {
-    page.Table(ConfigurationsTable(configurations));
+    page.Html("<div class=\"summary\">" + TableHtml(ConfigurationsTable(configurations)) +
+              "</div>\n");
+    AddDifferentSettings(contents.different_settings, page);
     AddComparisons(contents.comparisons, page);
     page.Heading("Side by side");
     page.Chart(SuccessChart(configurations));

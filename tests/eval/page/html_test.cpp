@@ -37,6 +37,10 @@ TEST(Base64, EqualsTheExamplesOfRfc4648) {
 TEST(TableHtml, NumbersBreakOnlyBeforeTheirInterval) {
   const std::string html = TableHtml({{"part", "right"}, {"rod", "87.5 % [69.0, 95.7]"}});
   EXPECT_THAT(html, HasSubstr(">87.5&nbsp;% <span>[69.0, 95.7]</span></td>"));
+  const std::string counted =
+      TableHtml({{"part", "right"}, {"rod", "87.5 % [69.0, 95.7] 14 of 16 picks"}});
+  EXPECT_THAT(counted, HasSubstr(">87.5&nbsp;% <span>[69.0, 95.7]</span> <span class=\"count\">14 "
+                                 "of 16 picks</span></td>"));
 }
 
 TEST(TableHtml, NumbersAreRightAlignedExceptInTheFirstColumn) {
