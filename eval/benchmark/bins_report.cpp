@@ -242,7 +242,7 @@ HtmlPage BinTablePage(const std::vector<BinScenario>& scenarios, const std::stri
   page.Paragraph(SiameseGain(scenarios));
   page.Heading("By visible fraction");
   if (HasReference(scenarios)) {
-    page.Paragraph(fmt::format("Shaded: 95 % intervals. Grey: {}.", kReference));
+    page.Paragraph(fmt::format("Bars: 95 % intervals. Grey: {}.", kReference));
   }
   page.SmallCharts(RecallCharts(scenarios));
   page.Table(BandTable(scenarios));

@@ -17,8 +17,8 @@ std::string ValueText(const PairedStatistic& statistic, double value) {
 
 TableCells CellsOf(const PairedComparison& comparison, const std::string& before,
                    const std::string& after) {
-  TableCells cells{{"statistic", before, after, "difference [95 %]", "p", "scenes",
-                    "different scenes", "scenes needed"}};
+  TableCells cells{{"statistic", before, after, "difference [95 %]", "p", "bins", "different bins",
+                    "bins needed"}};
   for (const PairedStatistic& statistic : comparison.statistics) {
     cells.push_back({statistic.name, ValueText(statistic, statistic.before),
                      ValueText(statistic, statistic.after), DifferenceText(statistic),
@@ -41,16 +41,16 @@ ReportTable PairedReport(const ConfigurationComparison& compared) {
   const std::string &first = compared.before, &second = compared.after;
   const PairedComparison& comparison = compared.paired;
   std::string text = fmt::format(
-      "{} minus {}, on the {} scenes that both have. Rates are in percentage points. Errors are "
-      "for the instances that both found, of the most confident pose on each. p: McNemar's exact "
-      "test if a scene has one outcome, otherwise a sign-flip test over scenes. Scenes needed: to "
+      "{} minus {}, on the {} bins that both have. Rates are in percentage points. Errors are "
+      "for the instances that both found, of the pose with the highest score on each. p: McNemar's "
+      "exact "
+      "test if a bin has one outcome, otherwise a sign-flip test over bins. Bins needed: to "
       "detect a difference of this size with a power of 0.8 at the level 0.05; only for rates, not "
       "for medians.",
       second, first, comparison.scenes);
   if (comparison.before_only + comparison.after_only > 0) {
-    text +=
-        fmt::format(" Not included: {} scenes that only the first run has and {} of the second.",
-                    comparison.before_only, comparison.after_only);
+    text += fmt::format(" Not included: {} bins that only the first run has and {} of the second.",
+                        comparison.before_only, comparison.after_only);
   }
   return {fmt::format("Paired differences: {} against {}", second, first), text,
           CellsOf(comparison, first, second)};

@@ -41,7 +41,7 @@ std::vector<std::string> CausesOf(std::span<const ConfigurationReport> configura
 ReportChart AttemptsChart(std::span<const ConfigurationReport> configurations) {
   ReportChart chart{"attempts", "Picks as the bin empties",
                     "Share of the attempts that picked, by their number in the bin. The first "
-                    "attempt is at the full bin. Shaded: 95 % intervals over scenes.",
+                    "attempt is at the full bin. Bars: 95 % intervals over bins.",
                     ""};
   std::vector<std::string> names;
   for (const AttemptRange& range : configurations[0].attempt_ranges) {
@@ -63,7 +63,7 @@ ReportChart FillChart(std::span<const ConfigurationReport> configurations) {
       "fill-level", "Pick success by fill level",
       "Share of the executed grasps that picked, by the fill level of the bin before "
       "the pick: mean height of the surface over the height of the bin. A bin empties "
-      "from right to left. Shaded: 95 % intervals over scenes.",
+      "from right to left. Bars: 95 % intervals over bins.",
       ""};
   std::map<double, std::string> names;  // by lower limit
   for (const ConfigurationReport& configuration : configurations) {

@@ -34,7 +34,7 @@ std::string CaptionOf(std::span<const ConfigurationReport> configurations, size_
   }
   if (configurations.size() == 1)
     caption.front() = static_cast<char>(std::toupper(caption.front()));
-  return caption + "In brackets: 95 % intervals over scenes.";
+  return caption + "In brackets: 95 % intervals over bins.";
 }
 
 // One configuration: bars, correct poses below wrong ones.
@@ -159,8 +159,8 @@ std::vector<ReportChart> ErrorByBandCharts(std::span<const ConfigurationReport> 
     charts.push_back(NamedValueCurves(
         {fmt::format("error-by-band-{}", error),
          fmt::format("Pose error by visible fraction: {}", first.title),
-         "Median over the reported poses of the instances in each band, right and wrong. Shaded: "
-         "95 % intervals over scenes.",
+         "Median over the reported poses of the instances in each band, right and wrong. Bars: "
+         "95 % intervals over bins.",
          ""},
         "visible fraction of the instance, %", "median " + UnitTitle(first), names, curves,
         first.bins.empty() ? 0 : first.bins.front().high));

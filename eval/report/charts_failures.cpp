@@ -88,7 +88,7 @@ ReportChart FailureChart(std::span<const ConfigurationReport> configurations) {
   ReportChart chart{"failures", "Failed picks by reason",
                     "Each attempt at a bin with instances requests one instance. It picks the "
                     "instance or fails for one reason, which belongs to one stage. Attempts "
-                    "without a grasp count as failed. Lines: 95 % intervals over scenes.",
+                    "without a grasp count as failed. Lines: 95 % intervals over bins.",
                     ""};
   chart.table = FailureTableCells(configurations);
   const FailureBars bars = BarsOf(configurations);

@@ -9,12 +9,12 @@
 namespace pickbed::eval {
 ReportChart CalibrationChart(std::span<const ConfigurationReport> configurations) {
   ReportChart chart{
-      "calibration", "Calibration of the confidence",
-      "Reported poses grouped by confidence, against the share of right poses in each group. On "
-      "the dotted line, a confidence of 90 % is right nine times in ten; below it the estimator is "
-      "overconfident. Bars: 95 % intervals over scenes. Expected calibration error:",
+      "calibration", "Calibration of the score",
+      "Reported poses grouped by score, against the share of right poses in each group. On "
+      "the dotted line, a score of 90 % is right nine times in ten; below it the estimator is "
+      "overconfident. Bars: 95 % intervals over bins. Expected calibration error:",
       ""};
-  chart.table = {{"settings", "mean confidence", "right [95 %]", "poses"}};
+  chart.table = {{"settings", "mean score", "right [95 %]", "poses"}};
   std::vector<CalibrationCurve> curves;
   bool some = false;
   for (const ConfigurationReport& configuration : configurations) {
@@ -34,7 +34,7 @@ ReportChart CalibrationChart(std::span<const ConfigurationReport> configurations
     return chart;
   }
   chart.caption += ".";
-  return CalibrationCurves(std::move(chart), "reported confidence", "share of right poses", curves);
+  return CalibrationCurves(std::move(chart), "reported score", "share of right poses", curves);
 }
 
 namespace {
@@ -145,7 +145,7 @@ constexpr const char* kPickCaption =
     "Pick success: share of the executed grasps that picked the instance, by its visible fraction.";
 constexpr const char* kTargetCaption =
     "Share of the attempts at a target that picked it; an attempt without a grasp did not.";
-constexpr const char* kBandCaption = "Shaded: 95 % intervals over scenes.";
+constexpr const char* kBandCaption = "Bars: 95 % intervals over bins.";
 
 std::vector<VisibilityCurve> OfEach(std::span<const ConfigurationReport> configurations,
                                     ReportRate BandRates::*rate) {

@@ -16,7 +16,7 @@ namespace pickbed::eval {
 std::span<const ViewLayer> ViewLayers() {
   static constexpr std::array<ViewLayer, 7> kLayers{{
       {"truth", "true poses", "#cdcdd2"},
-      {"hypothesis", "estimated poses, low to high confidence",
+      {"hypothesis", "estimated poses, low to high score",
        "linear-gradient(90deg, #f06c05, #ecece8, #40a0ff)", true},
       {"hand", "hand", "#3c424c"},
       {"completed", "completed segments, each in its color",

@@ -94,7 +94,7 @@ TEST(ErrorCharts, CaptionHasTheMedianWithItsInterval) {
   const std::vector<ConfigurationReport> points = Reports({"one"});
   const ReportChart chart = ErrorCharts(points).front();
   EXPECT_THAT(chart.caption, HasSubstr(MedianText(points[0].errors[0].median, 4) + " diameters"));
-  EXPECT_THAT(chart.caption, HasSubstr("95 % intervals over scenes"));
+  EXPECT_THAT(chart.caption, HasSubstr("95 % intervals over bins"));
 }
 
 TEST(RunPage, EveryChartHasATableAndDataOfEveryConfiguration) {
