@@ -133,15 +133,6 @@ std::vector<RoomEstimate> EstimateRooms(LabelledViewSource& views, const Estimat
   return estimates;
 }
 
-ForecastClusters RoomForecasts(const std::vector<RoomEstimate>& estimates,
-                               const std::string& background) {
-  ForecastClusters forecasts;
-  for (const RoomEstimate& estimate : estimates) {
-    if (estimate.background == background) forecasts.push_back(ForecastsOf(estimate));
-  }
-  return forecasts;
-}
-
 std::vector<RoomsRow> RoomsRowsOf(const std::vector<RoomEstimate>& estimates, double min_score) {
   std::map<std::pair<std::string, std::string>, std::vector<const RoomEstimate*>> groups;
   for (const RoomEstimate& estimate : estimates) {

@@ -60,10 +60,6 @@ std::vector<RoomEstimate> EstimateRooms(
     LabelledViewSource& views, const EstimatorSpec& spec, const RoomsOptions& options,
     const std::function<bool(int done, int total)>& on_progress);
 
-// Returns the scores of one kind of background and whether the poses are right, by image.
-ForecastClusters RoomForecasts(const std::vector<RoomEstimate>& estimates,
-                               const std::string& background);
-
 // Returns the rows. Poses with a lower score than `min_score` are not reported.
 std::vector<RoomsRow> RoomsRowsOf(const std::vector<RoomEstimate>& estimates, double min_score);
 

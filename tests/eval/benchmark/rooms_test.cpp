@@ -106,6 +106,20 @@ ForecastClusters Raised(ForecastClusters forecasts, double exponent) {
   return forecasts;
 }
 
+// Returns the scores of one kind of background and whether the poses are right, by image.
+ForecastClusters RoomForecasts(const std::vector<RoomEstimate>& estimates,
+                               const std::string& background) {
+  ForecastClusters forecasts;
+  for (const RoomEstimate& estimate : estimates) {
+    if (estimate.background != background) continue;
+    std::vector<ForecastOutcome>& image = forecasts.emplace_back();
+    for (const ScoredHypothesis& pose : estimate.image.score.hypotheses) {
+      image.push_back({pose.record.score, pose.recalled >= 0});
+    }
+  }
+  return forecasts;
+}
+
 // For each kind of background, the interval of the calibration error includes 0, so the scores may
 // be probabilities. It does not include 0 for a planted error. This takes some seconds, because it
 // needs about 20 estimates.
