@@ -12,8 +12,8 @@ namespace pickbed::tests {
 
 inline constexpr int kSmallInstances = 3;
 
-inline ScenarioSpec SmallScenario() {
-  ScenarioSpec spec = CubeScenario(kSmallInstances);
+inline ScenarioSpec SmallScenario(int instances = kSmallInstances) {
+  ScenarioSpec spec = CubeScenario(instances);
   spec.sensor = "ideal";
   spec.camera.width = 96;
   spec.camera.height = 72;
@@ -24,14 +24,15 @@ inline ScenarioSpec SmallScenario() {
 
 inline MakeDatasetReport MakeSmall(const std::filesystem::path& out, int scenes, int views,
                                    int jobs = 1, bool resume = false,
-                                   const std::function<bool()>& stop = {}) {
+                                   const std::function<bool()>& stop = {},
+                                   int instances = kSmallInstances) {
   MakeDatasetOptions options;
   options.out = out;
   options.scenes = scenes;
   options.views = views;
   options.jobs = jobs;
   options.resume = resume;
-  return MakeDataset(SmallScenario(), EasyCube(), options, {}, stop);
+  return MakeDataset(SmallScenario(instances), EasyCube(), options, {}, stop);
 }
 
 }  // namespace pickbed::tests

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "grasp/cloud/cloud_antipodal.h"
 #include "grasp/cloud/height_map.h"
@@ -76,6 +77,20 @@ TEST_F(DegeneratePlans, GraspsOnTheSurfaceAreFinite) {
       ExpectSound(planner.Plan(InputOf(frame, has_bin)), test.name);
     }
   }
+  // The cases above have nothing to grasp. A box with some damaged readings has.
+  CloudScene scene;
+  scene.AddBox({0.07, 0.03, 0.04}, OnFloor(0.02, -0.03, 0.04, 0));
+  RgbdFrame damaged = scene.frame();
+  for (int y = 0; y < damaged.depth_m.height(); y += 20) {
+    for (int x = 0; x < damaged.depth_m.width(); x += 20) {
+      damaged.depth_m(x, y) = std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+  const PlannerInput input{
+      damaged, scene.camera().X_WC(), BinPlacement{scene.bin(), Pose::Identity()}, {}, {}, 5, 0};
+  const PlanResult plan = planner.Plan(input);
+  ExpectSound(plan, "damaged box");
+  EXPECT_FALSE(plan.grasps.empty());
 }
 
 TEST_F(DegeneratePlans, AnImageWithoutReadingsHasNoGrasp) {
@@ -128,6 +143,7 @@ TEST(DegenerateShapes, SurfacesAndShellsAreFinite) {
 
 TEST_F(DegeneratePlans, GraspsOnCompletedShapesAreFinite) {
   const CloudScene scene;  // an empty bin
+  size_t grasps = 0;
   for (const OccupancyShape& shape : DegenerateShapes()) {
     GivenShapes source({shape});
     PlannerSetup setup = Setup();
@@ -135,8 +151,11 @@ TEST_F(DegeneratePlans, GraspsOnCompletedShapesAreFinite) {
     CompletedPlannerOptions options;
     options.grasps_observed = false;
     CompletedPlanner planner(setup, options);
-    ExpectSound(planner.Plan(scene.Input()), std::to_string(shape.size));
+    const PlanResult plan = planner.Plan(scene.Input());
+    ExpectSound(plan, std::to_string(shape.size));
+    grasps += plan.grasps.size();
   }
+  EXPECT_GT(grasps, 0u) << "some shape must have a grasp to check";
 }
 
 }  // namespace

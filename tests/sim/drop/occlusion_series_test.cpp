@@ -102,6 +102,7 @@ TEST_F(OcclusionSeriesTest, FractionsAreDistributedOverTheBands) {
 // Instances that were there before a blocker, above all the target, keep their poses exactly.
 TEST_F(OcclusionSeriesTest, InstancesKeepTheirPosesWhileABlockerSettles) {
   const MadeSeries made = Make({3, 3, 3, 3});
+  ASSERT_FALSE(made.series.scenes.empty());
   const std::vector<PosedObject>* before = &made.start.scene.objects;
   for (const OccludedScene& scene : made.series.scenes) {
     const std::vector<PosedObject>& after = scene.scene.objects;
@@ -113,6 +114,7 @@ TEST_F(OcclusionSeriesTest, InstancesKeepTheirPosesWhileABlockerSettles) {
 
 TEST_F(OcclusionSeriesTest, EachSceneStaysAtRestWhenAllAreAwake) {
   const MadeSeries made = Make({3, 3, 3, 3});
+  ASSERT_FALSE(made.series.scenes.empty());
   for (const OccludedScene& scene : made.series.scenes) {
     EXPECT_THAT(Faults(scene.certificate), testing::IsEmpty());
     EXPECT_LE(scene.certificate.wake_movement_diameters, spec_.movement_diameters);
