@@ -30,7 +30,7 @@ void RefuseNaN(const CLI::App& app, const std::string& command) {
     for (const std::string& text : option->results()) {
       CheckInput(
           !std::isnan(std::strtod(text.c_str(), nullptr)),
-          fmt::format("{}: '{}' is no number; see {} --help", option->get_name(), text, command));
+          fmt::format("{} {}: must be a number; see {} --help", option->get_name(), text, command));
     }
   }
 }

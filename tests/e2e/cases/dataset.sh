@@ -43,7 +43,7 @@ invalid_bop_data_is_refused() {
   cp -r set sound
 
   sed -i 's/"cam_R_m2c":\[[^,]*,/"cam_R_m2c":[2.0,/g' $gt
-  refused "faults, listed above" "$pickbed" dataset check set
+  refused "fault, listed above" "$pickbed" dataset check set
   grep -q "scene_gt.json: image 1: instance 4: 'cam_R_m2c': is no rotation" last.out ||
     fail "the last wrong matrix is not named"
   cp sound/test/000001/scene_gt.json $gt
@@ -54,7 +54,7 @@ invalid_bop_data_is_refused() {
 
   # An 8-bit mask replaces the last depth image.
   cp set/test/000001/mask/000001_000000.png set/test/000001/depth/000001.png
-  refused "faults, listed above" "$pickbed" dataset check set
+  refused "fault, listed above" "$pickbed" dataset check set
   grep -q "depth/000001.png' as depth: it is not 16 bits" last.out || fail "the 8-bit image is not named"
   refused "depth/000001.png' as depth: it is not 16 bits" \
     "$pickbed" estimate --bop set --set estimator.name=ppf --out look

@@ -114,7 +114,8 @@ TEST(BashCompletion, OffersCommandsOptionsAndNames) {
   EXPECT_THAT(Completed("pickbed run --res"), ElementsAre("--resume"));
   EXPECT_THAT(Completed("pickbed run dem"), ElementsAre("demo"));
   EXPECT_THAT(Completed("pickbed run bin_rod --js"), ElementsAre("--json-progress", "--json"));
-  EXPECT_THAT(Completed("pickbed grasps rod jaw_8"), ElementsAre("jaw_8cm", "jaw_8cm_long", "jaw_8cm_slim"));
+  EXPECT_THAT(Completed("pickbed grasps rod jaw_8"),
+              ElementsAre("jaw_8cm", "jaw_8cm_long", "jaw_8cm_slim"));
   EXPECT_THAT(Completed("pickbed grasps brack"), ElementsAre("bracket"));
   EXPECT_THAT(Completed("pickbed sensor show structured"), ElementsAre("structured_light"));
   EXPECT_THAT(Completed("pickbed train rod --scenario dem"), ElementsAre("demo"));

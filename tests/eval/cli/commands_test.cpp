@@ -106,7 +106,8 @@ TEST_F(CommandsTest, MistypedSubcommandsAreNamed) {
 
 TEST_F(CommandsTest, NumbersThatAreNotFiniteAreRefused) {
   const std::string mesh = File("a.obj", "v 0 0 0\n");
-  ExpectRefused({"object", "add", mesh, "--name", "a", "--friction", "nan"}, "--friction: 'nan'");
+  ExpectRefused({"object", "add", mesh, "--name", "a", "--friction", "nan"},
+                "--friction nan: must be a number");
   ExpectRefused({"score", "--bop", Out(), mesh, "--vsd-delta", "nan"}, "--vsd-delta: 'nan'");
   ExpectRefused({"train", "rod", "--minutes", "nan"}, "--minutes: 'nan' is no number from 0");
   ExpectRefused({"train", "rod", "--minutes", "inf"}, "--minutes: 'inf' is no number from 0");

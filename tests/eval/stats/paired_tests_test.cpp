@@ -103,8 +103,8 @@ TEST(PairedRateTest, ClearDifferenceHasTheSmallestPValue) {
   EXPECT_EQ(PairedRateTest(before, after, 999, 4), PairedRateTest(before, after, 999, 4));
 }
 
-// Equal rates in all scenes of a run have no spread. Two scenes have four labellings. Two labellings
-// are as extreme as the found one.
+// Equal rates in all scenes of a run have no spread. Two scenes have four labellings. Two
+// labellings are as extreme as the found one.
 TEST(PairedRateTest, DifferenceWithoutSpreadIsNotImpossible) {
   const std::vector<Cluster> before{{1, 2}, {1, 2}}, after{{2, 2}, {6, 6}};
   EXPECT_EQ(PairedRateTest(before, after), 0.5);
