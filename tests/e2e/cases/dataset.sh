@@ -43,7 +43,7 @@ invalid_bop_data_is_refused() {
   cp -r set sound
 
   sed -i 's/"cam_R_m2c":\[[^,]*,/"cam_R_m2c":[2.0,/g' $gt
-  refused "fault, listed above" "$pickbed" dataset check set
+  refused "faults, listed above" "$pickbed" dataset check set
   grep -q "scene_gt.json: image 1: instance 4: 'cam_R_m2c': is no rotation" last.out ||
     fail "the last wrong matrix is not named"
   cp sound/test/000001/scene_gt.json $gt
