@@ -43,8 +43,7 @@ ReportTable PairedReport(const ConfigurationComparison& compared) {
   std::string text = fmt::format(
       "{} minus {}, on the {} bins that both have. Rates are in percentage points. Errors are "
       "for the instances that both found, of the pose with the highest score on each. p: McNemar's "
-      "exact "
-      "test if a bin has one outcome, otherwise a sign-flip test over bins. Bins needed: to "
+      "exact test if a bin has one outcome, otherwise a sign-flip test over bins. Bins needed: to "
       "detect a difference of this size with a power of 0.8 at the level 0.05; only for rates, not "
       "for medians.",
       second, first, comparison.scenes);
@@ -59,13 +58,13 @@ ReportTable PairedReport(const ConfigurationComparison& compared) {
 std::vector<ConfigurationComparison> CompareWithFirst(
     const std::vector<PairedConfiguration>& configurations) {
   std::vector<ConfigurationComparison> comparisons;
-  for (size_t i = 1; i < configurations.size(); ++i) {
-    const std::string scenes = SceneKey(configurations[i].identity);
-    const auto first = std::find_if(
-        configurations.begin(), configurations.begin() + static_cast<std::ptrdiff_t>(i),
-        [&](const PairedConfiguration& other) { return SceneKey(other.identity) == scenes; });
-    if (first == configurations.begin() + static_cast<std::ptrdiff_t>(i)) continue;
-    comparisons.push_back(CompareConfigurations(*first, configurations[i]));
+  for (const PairedConfiguration& configuration : configurations) {
+    const auto first = std::ranges::find(
+        configurations, SceneKey(configuration.identity),
+        [](const PairedConfiguration& other) { return SceneKey(other.identity); });
+    if (&*first != &configuration) {
+      comparisons.push_back(CompareConfigurations(*first, configuration));
+    }
   }
   return comparisons;
 }

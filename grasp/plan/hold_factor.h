@@ -1,6 +1,6 @@
 #pragma once
 
-// How sure a hand holds the weight of an object in the orientation in which it lifts it.
+// Rates how well a hand holds the weight of an object in the orientation in which it lifts it.
 //
 // Candidates are rated without a pose in the world. A cup on the end of a bottle that hangs
 // straight down carries a pull only; if the bottle is tilted, the weight bends the lip.
