@@ -122,10 +122,11 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
                  "and verifier.*, for wohlhart, whose network is trained first, also wohlhart.*")
       ->excludes("--minutes")
       ->excludes("--from");
-  TrainingOptions defaults;
+  TrainingOptions defaults = EstimatorNamed("descriptor").make_training()->PatchNetworkOptions();
   app.footer("Training settings and their defaults:\n" +
              WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true) +
-             "\n`pickbed train completion --help` shows the training of shape completion."
+             "\n`pickbed train completion --help` shows the training of shape completion. `pickbed "
+             "train verifier --help` shows the training of a verifier that objects share."
              "\nExample: pickbed train rod elbow --minutes 5 --set network.descriptor=64\n"
              "         pickbed train kehl --objects bracket");
 }
@@ -303,6 +304,9 @@ int TrainCommand(int argc, char** argv) {
     return TrainCompletionCommand(argc - 1, argv + 1);
   }
   if (argc > 1 && std::string(argv[1]) == "grasps") return TrainGraspsCommand(argc - 1, argv + 1);
+  if (argc > 1 && std::string(argv[1]) == "verifier") {
+    return TrainVerifierCommand(argc - 1, argv + 1);
+  }
   CLI::App app(
       "Trains models on views that are rendered during training. Ctrl-C writes a checkpoint.",
       "pickbed train");

@@ -24,6 +24,7 @@ int RenderCommand(int argc, char** argv);
 int EstimateCommand(int argc, char** argv);
 int BenchmarkCommand(int argc, char** argv);
 int TrainCommand(int argc, char** argv);
+int TrainVerifierCommand(int argc, char** argv);  // `pickbed train verifier`
 int ObjectCommand(int argc, char** argv);
 int SegmentCommand(int argc, char** argv);
 int SensorCommand(int argc, char** argv);

@@ -135,7 +135,7 @@ SettingsPage TrainingSettings() {
       {{"Patch networks",
         "Settings of `pickbed train --set`, with the defaults of `descriptor`. `pickbed "
         "train kehl` and `doumanoglou` have the same keys and other defaults.",
-        RowsOf(TrainingOptions())},
+        RowsOf(EstimatorNamed("descriptor").make_training()->PatchNetworkOptions())},
        {"Verifiers", "Settings of `pickbed train --verifier-for`.",
         RowsOf(VerifierTrainingOptions())}}};
   for (SettingsSource& source : NetworkSettings()) page.sources.push_back(std::move(source));

@@ -9,12 +9,14 @@
 #include <numeric>
 
 #include "perception/networks/model_file.h"
+#include "perception/networks/verifier_file.h"
 #include "perception/training/checkpoint.h"
 #include "perception/training/training_data.h"
 #include "perception/training/training_schedule.h"
 #include "perception/training/training_views.h"
 #include "perception/training/verifier_training.h"
 #include "scenes/base/error.h"
+#include "scenes/base/random.h"
 
 namespace pickbed::perception {
 namespace {
@@ -30,6 +32,15 @@ auto NamingObject(const ObjectModel& object, const Work& work) {
   } catch (const InputError& error) {
     throw InputError("object '" + object.name + "': " + error.what());
   }
+}
+
+// Identifies the shared network in the key of a checkpoint.
+std::string SharedNetworkText(const VerifierTrainingOptions& options) {
+  if (!options.shared_network) return {};
+  const std::vector<float> values =
+      VerifierValues({Verifier{*options.shared_network, *options.shared_network, {}}});
+  return fmt::format("\nshared verifier {:016x}",
+                     HashBytes(values.data(), values.size() * sizeof(float)));
 }
 
 // Adds the seconds of its lifetime to a phase of the report.
@@ -68,7 +79,6 @@ class Trainer {
   double SecondsSince(TrainingTime start) const { return SecondsBetween(start, job_.now()); }
   TrainingViewsPlan Plan() const;
   std::vector<ObjectId> NewObjects() const;
-  VerifierTrainingOptions VerifierPlan() const;
   bool AwaitHeldOut();
   bool AwaitScenes(double share, const char* phase, double shown_from);
   bool TrainNetwork();
@@ -90,6 +100,7 @@ class Trainer {
 
   const TrainingJob& job_;
   const TrainingOptions& options_;
+  const VerifierTrainingOptions verifier_options_;
   const ObjectSet& objects_;
   TrainingStart from_;
   std::vector<double> sides_;
@@ -108,12 +119,14 @@ class Trainer {
 Trainer::Trainer(const TrainingJob& job, const TrainingOptions& options)
     : job_(job),
       options_(options),
+      verifier_options_(VerifierOptionsOf(options)),
       objects_(job.views.objects()),
       from_(LoadTrainingStart(job, options)),
       sides_(StartSides(objects_, from_, options)),
       schedule_(ObjectWeights(from_, options), options),
       key_(CheckpointKey(job.views, options, job.sensor_profile,
-                         from_.model ? from_.model->network_hash : 0)),
+                         from_.model ? from_.model->network_hash : 0) +
+           SharedNetworkText(verifier_options_)),
       network_(options.network, options.seed, static_cast<int>(objects_.size())),
       data_(objects_, schedule_.main_objects(), sides_, network_.regresses(), options),
       start_(job.began.value_or(job.now())),
@@ -147,19 +160,6 @@ double Trainer::RecentLoss() const {
   return count == 0 ? 0 : std::accumulate(losses.end() - count, losses.end(), 0.0) / count;
 }
 
-VerifierTrainingOptions Trainer::VerifierPlan() const {
-  VerifierTrainingOptions options;
-  options.seed = options_.seed;
-  options.clutter_scenes = options_.verifier_clutter_scenes;
-  options.room_scenes = options_.verifier_room_scenes;
-  options.views_per_scene = options_.views_per_scene;
-  options.entries = options_.candidates.votes == "regressed" ? 0 : options_.verifier_entries;
-  options.candidates = {options_.candidates, options_.fast_candidates};
-  options.candidates.back().votes = options_.candidates.votes;
-  options.verifier = options_.verifier;
-  return options;
-}
-
 // Objects that are not rehearsed; each gets a verifier.
 std::vector<ObjectId> Trainer::NewObjects() const {
   std::vector<ObjectId> new_objects;
@@ -179,7 +179,7 @@ TrainingViewsPlan Trainer::Plan() const {
   plan.views_per_scene = options_.views_per_scene;
   plan.positive_pairs = options_.positive_pairs;
   plan.held_out = options_.held_out;
-  plan.verifier = VerifierPlan();
+  plan.verifier = verifier_options_;
   plan.deadlines = Deadlines();
   return plan;
 }
@@ -334,7 +334,7 @@ bool Trainer::TrainVerifiers() {
     const PhaseTimer timer(report_, job_.now, "verifier");
     const ObjectId i = new_objects[n];
     const VerifierObject object{i, sides_[i], network_.length(), VoterOf(network_)};
-    VerifierTrainingOptions plan = VerifierPlan();
+    VerifierTrainingOptions plan = verifier_options_;
     if (!deadlines.empty()) plan.deadlines = deadlines[n - first];
     std::optional<TrainedVerifier> start;
     if (options_.verifier_clutter_scenes == 0 && from_.model) {

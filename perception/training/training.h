@@ -45,6 +45,9 @@ struct TrainingOptions {
   // initial model for known backgrounds.
   int verifier_clutter_scenes = 24;
   int verifier_room_scenes = 12;  // rooms per object for its verifier; every second has no object
+  // File of the network for unknown backgrounds that all objects share (shared_verifier.h), or
+  // "none" = one is trained for each object.
+  std::string shared_verifier = "none";
   // The network of `start_from` is kept as it is, and the verifiers of all objects are trained
   // anew.
   bool verifiers_only = false;
@@ -116,6 +119,10 @@ struct TrainingReport {
   std::vector<PatchPairs> pairs;
   PatchChannels channels = PatchChannels::kDepthNormals;  // channels of these patches
 };
+
+struct VerifierTrainingOptions;
+// Returns the options of the verifiers in a training of a descriptor model.
+VerifierTrainingOptions VerifierOptionsOf(const TrainingOptions& options);
 
 // Trains network and verifiers and writes the model file. Without max_minutes, the same seed and
 // options give the same weights, also after stops and resumes. Throws InputError for a checkpoint

@@ -1,4 +1,10 @@
+#include <fmt/format.h>
+
+#include "perception/training/shared_verifier.h"
 #include "perception/training/training.h"
+#include "perception/training/verifier_training.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
 
 namespace pickbed::perception {
 
@@ -32,6 +38,9 @@ void TrainingOptions::Visit(SettingsVisitor& v) {
   v.Integer("verifier_room_scenes", verifier_room_scenes, {0, 100000},
             "number of rooms per object for its verifier, of which every second has no object; 0 = "
             "no verifier for unknown backgrounds");
+  v.Text("shared_verifier", shared_verifier, {},
+         "network for unknown backgrounds that all objects share, made by `pickbed train "
+         "verifier`: a file, the name of a shipped one, or none = each object has its own");
   v.Integer("verifier_entries", verifier_entries, {1, 10000000},
             "number of codebook entries per object while its verifier is trained");
   v.Integer("checkpoint_every", checkpoint_every, {1, 1000000},
@@ -53,6 +62,27 @@ void TrainingOptions::Visit(SettingsVisitor& v) {
   v.Group(
       "fast_candidates", [&](SettingsVisitor& g) { fast_candidates.Visit(g); },
       "the same search in mode fast; it uses the votes of candidates");
+}
+
+VerifierTrainingOptions VerifierOptionsOf(const TrainingOptions& options) {
+  VerifierTrainingOptions verifier;
+  verifier.seed = options.seed;
+  verifier.clutter_scenes = options.verifier_clutter_scenes;
+  verifier.room_scenes = options.verifier_room_scenes;
+  verifier.views_per_scene = options.views_per_scene;
+  verifier.entries = options.candidates.votes == "regressed" ? 0 : options.verifier_entries;
+  verifier.candidates = {options.candidates, options.fast_candidates};
+  verifier.candidates.back().votes = options.candidates.votes;
+  verifier.verifier = options.verifier;
+  if (options.shared_verifier != kNoSharedVerifier) {
+    verifier.shared_network = LoadSharedVerifier(TrainedFile(options.shared_verifier));
+    const auto hidden = static_cast<int>(verifier.shared_network->b1.size());
+    CheckInput(hidden == options.verifier.hidden,
+               fmt::format("shared_verifier={}: it has {} hidden units, but verifier.hidden is {}; "
+                           "set verifier.hidden={} or shared_verifier=none",
+                           options.shared_verifier, hidden, options.verifier.hidden, hidden));
+  }
+  return verifier;
 }
 
 }  // namespace pickbed::perception

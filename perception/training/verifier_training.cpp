@@ -199,27 +199,30 @@ VerifierTrainingSet MakeVerifierTrainingSet(LabelledViewSource& views, ObjectId 
   return training_set;
 }
 
-TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set,
-                                    const std::shared_ptr<const ObjectModel>& model,
-                                    const VerifierObject& wanted,
-                                    const VerifierTrainingOptions& options,
-                                    const std::function<bool(double)>& on_share,
-                                    const TrainedVerifier* start) {
-  ObjectCodes codes;
-  codes.length = wanted.descriptor_length;
-  AppendCodes(training_set.codes, wanted.voter.describe, codes);
-  std::vector<std::unique_ptr<CandidateFinder>> finders;
-  std::vector<const CandidateSource*> sources;
-  for (const CandidateOptions& mode : options.candidates) {
-    finders.push_back(std::make_unique<CandidateFinder>(
-        std::vector<CandidateObject>{{model, wanted.side_m, codes, wanted.object}}, wanted.voter,
-        mode));
-    sources.push_back(finders.back().get());
-  }
-  return TrainObjectVerifier(training_set, wanted.object, sources, options, on_share, start);
-}
-
 namespace {
+
+// Sources of candidates from learned descriptors for one object, one per mode.
+class DescriptorSources {
+ public:
+  DescriptorSources(const VerifierTrainingSet& training_set,
+                    const std::shared_ptr<const ObjectModel>& model, const VerifierObject& wanted,
+                    const VerifierTrainingOptions& options) {
+    ObjectCodes codes;
+    codes.length = wanted.descriptor_length;
+    AppendCodes(training_set.codes, wanted.voter.describe, codes);
+    for (const CandidateOptions& mode : options.candidates) {
+      finders_.push_back(std::make_unique<CandidateFinder>(
+          std::vector<CandidateObject>{{model, wanted.side_m, codes, wanted.object}}, wanted.voter,
+          mode));
+      sources_.push_back(finders_.back().get());
+    }
+  }
+  std::span<const CandidateSource* const> get() const { return sources_; }
+
+ private:
+  std::vector<std::unique_ptr<CandidateFinder>> finders_;
+  std::vector<const CandidateSource*> sources_;
+};
 
 // Trains and calibrates one network on some views.
 class NetworkTrainer {
@@ -237,13 +240,14 @@ class NetworkTrainer {
   // Finds candidates in the views, until `end` if given. Returns false if stopped.
   bool Find(const std::function<bool(double)>& on_share, const std::optional<TrainingTime>& end);
   bool HasRight() const { return std::ranges::count(examples_.right, 1) > 0; }
+  const VerifierExamples& examples() const { return examples_; }
 
   // Trains the network on the first views and calibrates it on the others.
   TrainedNetwork TrainKnown(Verifier& verifier) const;
 
   // Trains the network for unknown backgrounds on all views and calibrates it, also on all views:
   // the scores of a scene come from a network that did not learn from this scene (cross-fitting).
-  // There are too few rooms to hold some of them out.
+  // There are too few rooms to hold some of them out. A given network is only calibrated.
   void TrainUnknown(Verifier& verifier) const;
 
  private:
@@ -358,6 +362,11 @@ TrainedNetwork NetworkTrainer::TrainKnown(Verifier& verifier) const {
 void NetworkTrainer::TrainUnknown(Verifier& verifier) const {
   for (size_t kind = 1; kind < kBackgroundKinds; ++kind) verifier.calibrations[kind] = {};
   Reported reported;
+  if (options_.shared_network) {
+    verifier.unknown = *options_.shared_network;
+    for (const SearchedView& searched : searched_) Report(verifier, searched, reported);
+    return CalibrateScores(reported, verifier);
+  }
   for (size_t fold = 0; fold < kFolds; ++fold) {
     const VerifierExamples others = ExamplesWithout(fold);
     const auto right = std::ranges::count(others.right, 1);
@@ -443,7 +452,7 @@ TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set, Obj
     }
     const TrainingTime fit_began = end ? options.deadlines->now() : TrainingTime();
     trained.auc = known.TrainKnown(trained.verifier).auc;
-    if (end) {
+    if (end && !options.shared_network) {
       // The fits for unknown backgrounds, one per fold and one for all, take about as long each.
       const double fit_s = SecondsBetween(fit_began, options.deadlines->now());
       end = Later(*end, -fit_s * static_cast<double>(kFolds + 1));
@@ -455,13 +464,33 @@ TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set, Obj
     return on_share(clutter_share + (1 - clutter_share) * share);
   };
   if (!unknown.Find(on_second, end)) return {};
-  if (!unknown.HasRight()) {
+  if (training_set.rooms.empty() || (!unknown.HasRight() && !options.shared_network)) {
     trained.verifier.unknown = trained.verifier.known;
     trained.verifier.calibrations.fill(known_calibrations);
     return trained;
   }
   unknown.TrainUnknown(trained.verifier);
   return trained;
+}
+
+TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set,
+                                    const std::shared_ptr<const ObjectModel>& model,
+                                    const VerifierObject& wanted,
+                                    const VerifierTrainingOptions& options,
+                                    const std::function<bool(double)>& on_share,
+                                    const TrainedVerifier* start) {
+  const DescriptorSources sources(training_set, model, wanted, options);
+  return TrainObjectVerifier(training_set, wanted.object, sources.get(), options, on_share, start);
+}
+
+VerifierExamples RoomExamples(const VerifierTrainingSet& training_set,
+                              const std::shared_ptr<const ObjectModel>& model,
+                              const VerifierObject& wanted, const VerifierTrainingOptions& options,
+                              const std::function<bool(double)>& on_share) {
+  const DescriptorSources sources(training_set, model, wanted, options);
+  NetworkTrainer rooms(training_set.rooms, false, wanted.object, sources.get(), options);
+  if (!rooms.Find(on_share, std::nullopt)) return {};
+  return rooms.examples();
 }
 
 }  // namespace pickbed::perception

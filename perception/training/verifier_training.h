@@ -7,6 +7,9 @@
 // score is calibrated for each background and mode on the poses that remain after pose selection:
 // logistic calibration (Platt 1999). For known backgrounds these are views that were held out, for
 // unknown ones the scores are cross-fitted.
+//
+// The network for unknown backgrounds can also be given. One that many objects share has seen more
+// rooms than the rooms of one object (shared_verifier.h). Then only its calibration is trained.
 
 #include <functional>
 #include <optional>
@@ -43,7 +46,9 @@ struct VerifierTrainingOptions {
   int entries = 24000;                              // codebook entries of the object
   std::vector<CandidateOptions> candidates{{}};     // one per mode
   std::optional<VerifierDeadlines> deadlines = {};  // none = no time limit
-  void Visit(SettingsVisitor& v);                   // all except the last three
+  // Network for unknown backgrounds; none = one is trained for the object.
+  std::optional<VerifierNetwork> shared_network = {};
+  void Visit(SettingsVisitor& v);  // all except the last four
 };
 
 // An object and the network that describes its patches.
@@ -76,7 +81,7 @@ VerifierTrainingSet VerifierScenes(LabelledViewSource& views, ObjectId object, b
 
 // Trains and calibrates the verifier of `object`, an index into the objects of the view source.
 // Without clutter scenes, the network for known backgrounds is the one of `start`. Without rooms,
-// or if no candidate in them is right, it is used for all backgrounds.
+// or if no candidate in them is right and no network is given, it is used for all backgrounds.
 // `sources` has one source per mode, in the order of CandidateMode. They look only for this object,
 // so their candidates have object index 0. Modes without a source get the calibration of the first.
 // on_share receives the progress, 0..1, and returns false to stop; the result is then incomplete.
@@ -94,6 +99,13 @@ TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set,
                                     const VerifierTrainingOptions& options,
                                     const std::function<bool(double share)>& on_share,
                                     const TrainedVerifier* start = nullptr);
+
+// Returns the candidates from learned descriptors in the rooms of the training set, labelled. Empty
+// if on_share returned false.
+VerifierExamples RoomExamples(const VerifierTrainingSet& training_set,
+                              const std::shared_ptr<const ObjectModel>& model,
+                              const VerifierObject& wanted, const VerifierTrainingOptions& options,
+                              const std::function<bool(double share)>& on_share);
 
 // Score of a reported pose, and whether the pose is right.
 struct ScoredPose {

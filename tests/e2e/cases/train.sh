@@ -46,6 +46,20 @@ training_resumes_after_an_interrupt() {
   [ ! -e both.net.checkpoint ] || fail "the checkpoint of a finished training is left over"
   expect 0 "$pickbed" estimate small.yaml --out look --set "estimator.model=$work/both.net"
 
+  # The network for unknown backgrounds that both objects share.
+  expect 0 "$pickbed" train verifier --from both.net "${quick[@]}" --out whole.net
+  "$pickbed" train verifier --from both.net "${quick[@]}" --out rooms.net 2>stopped.err >/dev/null &
+  pid=$!
+  while kill -0 $pid 2>/dev/null && ! grep -q "^object 2/2" stopped.err; do sleep 0.1; done
+  kill -INT $pid 2>/dev/null
+  wait $pid
+  rc=$?
+  [ $rc = 130 ] || fail "the exit status is $rc, not 130"
+  grep -q "rooms.net.checkpoint keeps the candidates of 1 objects" stopped.err || fail "it is not said what is kept"
+  expect 0 "$pickbed" train verifier --from both.net "${quick[@]}" --out rooms.net --resume
+  cmp rooms.net whole.net || fail "a stopped and resumed training gives another verifier"
+  expect 0 "$pickbed" train rod "${quick[@]}" --set shared_verifier=rooms.net --out shared.net
+
   # The same name with another mesh.
   brick 1 >brick.obj
   expect 0 "$pickbed" object add brick.obj --name rod --mass 0.1 --drops 5
@@ -66,6 +80,10 @@ invalid_training_requests_are_refused() {
   refused "broken.net" "$pickbed" train rod --from broken.net
   refused "did you mean 'rod'" "$pickbed" train rodd
   refused "--groups: Value 3 not in range" "$pickbed" train grasps --groups 3 --data examples --out grasps.net
+  refused "no models/rooms.net.checkpoint to resume" "$pickbed" train verifier --resume
+  refused "there is no such trained model" "$pickbed" train verifier --from missing.net
+  refused "rooms.net: the shared verifier does not exist" \
+    "$pickbed" train rod --set shared_verifier=./rooms.net --out new.net
   refused "unknown key 'grids'" "$pickbed" train grasps --set grids=3 --out grasps.net
   refused "unknown sensor 'sonar'" "$pickbed" train rod --sensor sonar
   refused "no new.net.checkpoint to resume" "$pickbed" train rod --out new.net --resume

@@ -264,6 +264,41 @@ TEST(TrainObjectVerifier, CrossFittingCorrectsAnOverfittedNetwork) {
   EXPECT_LT(sum, 0.75 * overconfident);
 }
 
+// A network that is sure of each pose, where half of the poses are wrong.
+TEST(TrainObjectVerifier, ASharedNetworkIsOnlyCalibrated) {
+  RayCastViews views({ObjectOf(BracketMesh())});
+  VerifierTrainingOptions options;
+  options.views_per_scene = 1;
+  options.verifier.iterations = 50;
+  VerifierNetwork sure;
+  sure.mean = Eigen::VectorXf::Zero(kVerifyFeatures);
+  sure.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
+  sure.w1 = Eigen::MatrixXf::Zero(1, kVerifyFeatures);
+  sure.b1 = sure.w2 = Eigen::VectorXf::Zero(1);
+  sure.b2 = 4;
+  options.shared_network = sure;
+  const LabelledView view = views.ClutterScene({1, 1, ObjectId{0}}).front();
+  VerifierTrainingSet set;
+  set.clutter_scenes.assign(6, view);
+  set.rooms.assign(24, view);
+  const Uninformed source(views.objects(), view.instances);
+  const std::vector<const CandidateSource*> sources{&source};
+  const auto lowest_score = [&] {
+    const Verifier verifier = TrainObjectVerifier(set, ObjectId{0}, sources, options, [](double) {
+                                return true;
+                              }).verifier;
+    EXPECT_EQ(verifier.unknown.Logit({}), 4);
+    // All rooms have the same background; the other calibration is the identity.
+    return std::min(verifier.Score({}, CandidateMode::kAccurate, BackgroundKind::kFitted),
+                    verifier.Score({}, CandidateMode::kAccurate, BackgroundKind::kNone));
+  };
+  const double uncalibrated = 1 / (1 + std::exp(-sure.b2));
+  const double half_right = lowest_score();
+  EXPECT_LT(half_right, uncalibrated - 0.1);
+  for (LabelledView& room : set.rooms) room.instances.clear();
+  EXPECT_LT(lowest_score(), half_right - 0.1) << "no pose is right";
+}
+
 // A training that ran out of time has four rooms.
 TEST(TrainObjectVerifier, FourRoomsGiveACalibration) {
   RayCastViews views({ObjectOf(BracketMesh())});

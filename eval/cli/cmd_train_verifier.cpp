@@ -1,0 +1,115 @@
+#include <fmt/format.h>
+
+#include "eval/cli/arguments.h"
+#include "eval/cli/commands.h"
+#include "eval/runtime/process.h"
+#include "eval/runtime/progress.h"
+#include "eval/train/job.h"
+#include "perception/networks/model_file.h"
+#include "perception/training/shared_verifier.h"
+#include "perception/training/training.h"
+#include "scenes/base/error.h"
+#include "scenes/base/files.h"
+
+namespace pickbed::eval {
+namespace {
+
+struct TrainVerifierArguments {
+  TrainingSetChoice training_set;
+  std::string model = "shipped";
+  std::string file = "models/rooms.net";
+  bool resume = false;
+  TrainingOptions training;
+};
+
+int Train(const TrainVerifierArguments& arguments) {
+  TrainingSetChoice choice = arguments.training_set;
+  choice.start_from = TrainedFile(arguments.model).string();
+  for (const ModelObject& object : LoadModel(choice.start_from).info.objects) {
+    choice.objects.push_back(object.name);
+  }
+  const TrainingSet training_set = PlanTrainingSet(choice);
+  const std::filesystem::path file = arguments.file;
+  const std::filesystem::path unfinished = UnfinishedSharedVerifier(file);
+  CheckInput(
+      !arguments.resume || std::filesystem::exists(unfinished),
+      fmt::format("no {} to resume from; remove --resume to start anew", unfinished.string()));
+  if (file.has_parent_path()) MakeFolder(file.parent_path());
+  RequireWritable(file);
+  const auto views = MakeTrainingViews(training_set);
+  CatchInterrupts();
+  SharedVerifierReport report;
+  {
+    ProgressLine progress;
+    const auto count = static_cast<int>(training_set.objects.size());
+    int done = -1;
+    std::string_view current;
+    const SharedVerifierJob job{*views,
+                                choice.start_from,
+                                file,
+                                arguments.resume,
+                                SensorNames(training_set),
+                                [&](std::string_view object, double share) {
+                                  if (object != current) ++done;
+                                  current = object;
+                                  progress.Show(fmt::format("object {}/{}, {}: {}", done + 1, count,
+                                                            object, WholePercentText(share)));
+                                  return !Interrupted();
+                                }};
+    report = TrainSharedVerifier(job, VerifierOptionsOf(arguments.training));
+  }
+  if (!report.finished) {
+    fmt::print(stderr,
+               "pickbed: stopped; {} keeps the candidates of {} objects; repeat the same command "
+               "with --resume to continue from there\n",
+               unfinished.string(), report.objects);
+    return kExitInterrupted;
+  }
+  fmt::print(
+      "wrote {}, trained on {} candidates of {} objects, of which {} are right\nuse it with "
+      "`pickbed train OBJECT --set shared_verifier={}`\n",
+      file.string(), report.candidates, report.objects, report.right, file.string());
+  return 0;
+}
+
+}  // namespace
+
+int TrainVerifierCommand(int argc, char** argv) {
+  CLI::App app(
+      "Trains the verifier network for unknown backgrounds that all objects share, on the "
+      "candidates of a descriptor model in simulated rooms. It takes some minutes per object. "
+      "Ctrl-C keeps the finished objects; --resume continues.",
+      "pickbed train verifier");
+  TrainVerifierArguments arguments;
+  // There are ten times as many candidates as for one object. They need more steps and cannot be
+  // learned by heart.
+  arguments.training.verifier.iterations = 20000;
+  arguments.training.verifier.weight_decay = 1e-5;
+  std::vector<std::string> settings;
+  app.add_option("--from", arguments.model, "descriptor model; rooms of all its objects are used")
+      ->capture_default_str();
+  app.add_option("--sensor", arguments.training_set.sensors,
+                 "sensor profiles in addition to kinect_v1, structured_light and active_stereo, "
+                 "separated by commas")
+      ->delimiter(',');
+  app.add_option("--catalog", arguments.training_set.scenario.catalog,
+                 "folder with your own objects")
+      ->capture_default_str();
+  app.add_option("--out", arguments.file, "file to write")->capture_default_str();
+  app.add_flag("--resume", arguments.resume, "continue an interrupted training");
+  app.add_option("--seed", arguments.training.seed,
+                 "random seed; the same seed gives the same file")
+      ->capture_default_str();
+  app.add_option("--set", settings,
+                 "change a training setting: KEY=VALUE; verifier_room_scenes, views_per_scene, "
+                 "verifier_entries, verifier.*, candidates.* and fast_candidates.* have an effect")
+      ->allow_extra_args(false);
+  app.footer("Example: pickbed train verifier --set verifier_room_scenes=20");
+  if (!ParseArguments(app, argc, argv)) return 0;
+  for (const std::string& setting : settings) {
+    ApplySetting(setting, [&](SettingsVisitor& v) { arguments.training.Visit(v); });
+  }
+  return Train(arguments);
+}
+
+}  // namespace pickbed::eval

@@ -1,0 +1,168 @@
+#include "perception/training/shared_verifier.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "perception/networks/model_file.h"
+#include "perception/training/training.h"
+#include "scenes/base/files.h"
+#include "tests/support/error_of.h"
+#include "tests/support/ray_cast_views.h"
+#include "tests/support/synthetic_depth.h"
+#include "tests/support/temporary_folder.h"
+
+namespace pickbed::tests {
+namespace {
+
+using testing::HasSubstr;
+
+// Seconds of training, for two objects.
+TrainingOptions QuickOptions() {
+  TrainingOptions options;
+  options.clutter_scenes = 4;
+  options.views_per_scene = 1;
+  options.positive_pairs.patches_per_view = 60;
+  options.verifier_entries = 480;
+  options.iterations = 12;
+  options.batch = 24;
+  options.verifier_clutter_scenes = 2;
+  options.verifier_room_scenes = 2;
+  options.network.descriptor = 8;
+  options.verifier.iterations = 50;
+  options.candidates.points = 40;
+  options.candidates.candidates = 30;
+  options.candidates.min_candidates = 10;
+  options.fast_candidates = options.candidates;
+  options.held_out.clutter_scenes = 2;
+  options.held_out.queries = 40;
+  options.held_out.book_views = 20;
+  return options;
+}
+
+class SharedVerifier : public testing::Test {
+ protected:
+  // A descriptor model of both objects, trained once.
+  static std::filesystem::path Model() {
+    static const TemporaryFolder folder;
+    static const std::filesystem::path file = [] {
+      RayCastViews views(Objects());
+      const std::filesystem::path model = folder.path() / "model.net";
+      TrainDescriptor({views, model, {}, false, {}, "test sensor", {}}, QuickOptions());
+      return model;
+    }();
+    return file;
+  }
+  static ObjectSet Objects() {
+    auto box = std::make_shared<ObjectModel>(
+        *ObjectOf(BoxMesh({0.05, 0.04, 0.03}, Eigen::Vector3d::Zero())));
+    box->name = "box";
+    return {ObjectOf(BracketMesh()), box};
+  }
+  SharedVerifierJob Job(const std::string& name) {
+    return {views_, Model(), folder_ / (name + ".net"), false, "test sensor", {}};
+  }
+  static std::vector<float> Logits(const VerifierNetwork& network) {
+    std::vector<float> logits;
+    for (int i = 0; i < kVerifyFeatures; ++i) {
+      VerifyFeatures features{};
+      features[i] = 1;
+      logits.push_back(network.Logit(features));
+    }
+    return logits;
+  }
+
+  RayCastViews views_{Objects()};
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
+  VerifierTrainingOptions options_ = VerifierOptionsOf(QuickOptions());
+};
+
+TEST_F(SharedVerifier, StoppedAndResumedEqualsUninterrupted) {
+  const SharedVerifierReport straight = TrainSharedVerifier(Job("straight"), options_);
+  EXPECT_TRUE(straight.finished);
+  EXPECT_EQ(straight.objects, 2);
+  EXPECT_GT(straight.right, 0);
+  EXPECT_LT(straight.right, straight.candidates);
+
+  SharedVerifierJob job = Job("resumed");
+  job.on_progress = [](std::string_view object, double) { return object != "box"; };
+  const SharedVerifierReport stopped = TrainSharedVerifier(job, options_);
+  EXPECT_FALSE(stopped.finished);
+  EXPECT_EQ(stopped.objects, 1);
+  EXPECT_FALSE(std::filesystem::exists(job.file));
+
+  job.resume = true;
+  job.on_progress = [](std::string_view object, double) { return object == "box"; };
+  EXPECT_TRUE(TrainSharedVerifier(job, options_).finished);
+  EXPECT_EQ(ReadFileBytes(job.file), ReadFileBytes(Job("straight").file));
+  EXPECT_FALSE(std::filesystem::exists(UnfinishedSharedVerifier(job.file)));
+}
+
+TEST_F(SharedVerifier, ResumingWithOtherSettingsOrADamagedFileIsRefused) {
+  SharedVerifierJob job = Job("a");
+  job.on_progress = [](std::string_view object, double) { return object != "box"; };
+  ASSERT_FALSE(TrainSharedVerifier(job, options_).finished);
+  job.resume = true;
+  options_.room_scenes = 3;
+  EXPECT_THAT(ErrorOf([&] { TrainSharedVerifier(job, options_); }), HasSubstr("other settings"));
+  options_.room_scenes = 2;
+  const std::filesystem::path unfinished = UnfinishedSharedVerifier(job.file);
+  std::filesystem::resize_file(unfinished, std::filesystem::file_size(unfinished) / 2);
+  EXPECT_THAT(ErrorOf([&] { TrainSharedVerifier(job, options_); }), HasSubstr(unfinished.string()));
+}
+
+TEST_F(SharedVerifier, TrainingOfAModelUsesItAndNoticesAnotherOne) {
+  TrainSharedVerifier(Job("first"), options_);
+  options_.seed = 1;
+  TrainSharedVerifier(Job("second"), options_);
+  TrainingOptions training = QuickOptions();
+  TrainingJob job{views_, folder_ / "m.net", folder_ / "m.ckpt", false, {}, "s", {}};
+  training.shared_verifier = Job("first").file.string();
+  job.on_progress = [](const TrainingProgress& progress) { return progress.phase != "verifier"; };
+  ASSERT_FALSE(TrainDescriptor(job, training).finished);
+  job.on_progress = {};
+  job.resume = true;
+  // The settings are equal, but the content of the file is not.
+  const std::filesystem::path aside = folder_ / "aside.net";
+  std::filesystem::rename(Job("first").file, aside);
+  std::filesystem::rename(Job("second").file, Job("first").file);
+  EXPECT_THAT(ErrorOf([&] { TrainDescriptor(job, training); }), HasSubstr("other settings"));
+  std::filesystem::rename(aside, Job("first").file);
+  ASSERT_TRUE(TrainDescriptor(job, training).finished);
+  const DescriptorModel model = LoadModel(job.model_file);
+  const std::vector<float> shared = Logits(LoadSharedVerifier(Job("first").file));
+  ASSERT_EQ(model.verifiers.size(), 2u);
+  for (const Verifier& verifier : model.verifiers) {
+    EXPECT_EQ(Logits(verifier.unknown), shared);
+    EXPECT_NE(Logits(verifier.known), shared);
+  }
+  const auto shift = [&](int object) {
+    return model.verifiers[object].calibrations.back().front().shift;
+  };
+  EXPECT_NE(shift(0), shift(1));
+}
+
+TEST_F(SharedVerifier, AnotherNumberOfHiddenUnitsIsRefused) {
+  TrainSharedVerifier(Job("a"), options_);
+  TrainingOptions training = QuickOptions();
+  training.shared_verifier = Job("a").file.string();
+  training.verifier.hidden = 7;
+  EXPECT_THAT(ErrorOf([&] { VerifierOptionsOf(training); }), HasSubstr("set verifier.hidden=24"));
+}
+
+TEST_F(SharedVerifier, FilesThatAreNoSharedVerifierAreRefused) {
+  const auto error = [&](const std::filesystem::path& file) {
+    return ErrorOf([&] { LoadSharedVerifier(file); });
+  };
+  EXPECT_THAT(error(folder_ / "none.net"), HasSubstr("does not exist"));
+  EXPECT_THAT(error(Model()), HasSubstr("pickbed train verifier"));
+  TrainSharedVerifier(Job("cut"), options_);
+  const std::filesystem::path file = Job("cut").file;
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 1);
+  EXPECT_THAT(error(file), HasSubstr(file.string()));
+}
+
+}  // namespace
+}  // namespace pickbed::tests
