@@ -8,7 +8,6 @@
 
 #include "eval/estimate/statistics.h"
 #include "eval/frames/image_estimator.h"
-#include "eval/trial/pose_matching.h"
 
 namespace pickbed::eval {
 namespace {
@@ -43,17 +42,6 @@ std::vector<ForecastOutcome> ForecastsOf(const RoomEstimate& estimate) {
   return forecasts;
 }
 
-// Drops poses with a lower score. The poses that recall instances are taken by decreasing score, so
-// the others stay as they are.
-void KeepReported(double min_score, AttemptScore& score) {
-  std::erase_if(score.hypotheses,
-                [&](const ScoredHypothesis& pose) { return pose.record.score < min_score; });
-  for (InstanceRecord& instance : score.instances) instance.recalled = false;
-  for (const ScoredHypothesis& pose : score.hypotheses) {
-    if (pose.recalled >= 0) score.instances[pose.recalled].recalled = true;
-  }
-}
-
 RoomsRow RowOf(const std::string& rooms, const std::string& background,
                const std::vector<const RoomEstimate*>& estimates, double min_score) {
   RoomsRow row{rooms, background};
@@ -85,9 +73,19 @@ double ShareOf(int hits, int samples, double without_samples) {
 
 }  // namespace
 
+void KeepReported(double min_score, AttemptScore& score) {
+  // By decreasing score, each pose recalls a free instance. So a low score changes no higher pose.
+  std::erase_if(score.hypotheses,
+                [&](const ScoredHypothesis& pose) { return pose.record.score < min_score; });
+  for (InstanceRecord& instance : score.instances) instance.recalled = false;
+  for (const ScoredHypothesis& pose : score.hypotheses) {
+    if (pose.recalled >= 0) score.instances[pose.recalled].recalled = true;
+  }
+}
+
 std::vector<RoomEstimate> EstimateRooms(LabelledViewSource& views, const EstimatorSpec& spec,
                                         const RoomsOptions& options,
-                                        const std::function<bool(int, int)>& on_progress) {
+                                        const RoomsCallbacks& callbacks) {
   constexpr int kWithoutPlanes = 2;  // every second image
   const RoomKind kinds[] = {{"bin", "rooms/bin", Surroundings::kRoomAndBin, options.bins},
                             {"table", "rooms/table", Surroundings::kRoomNoBin, options.tables},
@@ -102,7 +100,7 @@ std::vector<RoomEstimate> EstimateRooms(LabelledViewSource& views, const Estimat
   int done = 0;
   for (const RoomKind& kind : kinds) {
     for (int i = 0; i < kind.images; ++i, ++done) {
-      if (!on_progress(done, total)) return {};
+      if (!callbacks.on_progress(done, total)) return {};
       Rng rng = Rng::Derive(options.seed, i, kind.stream);
       const int objects = static_cast<int>(views.objects().size());
       const LabelledView view =
@@ -124,6 +122,7 @@ std::vector<RoomEstimate> EstimateRooms(LabelledViewSource& views, const Estimat
                                  : found.has_background ? kFittedBackground
                                                         : kUnknownBackground;
         estimates.push_back({kind.name, background, fits_background, std::move(image)});
+        if (callbacks.on_estimate) callbacks.on_estimate(view, estimates.back());
       };
       estimate(true, true);
       estimate(false, true);

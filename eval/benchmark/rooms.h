@@ -13,6 +13,7 @@
 #include "eval/layer.h"
 #include "eval/metrics/result_columns.h"
 #include "eval/stats/forecast_quality.h"
+#include "eval/trial/pose_matching.h"
 #include "scenes/labelled_view.h"
 #include "scenes/scenario/scenario_spec.h"
 
@@ -53,12 +54,21 @@ struct RoomsRow {
   double seconds = 0;        // mean per image
 };
 
-// Estimates the images of `views` by the estimator of `spec`; spec.min_score is not used.
-// `on_progress` gets the number of images done and of all; false stops it, and the result is empty.
-// Throws InputError as MakeEstimator().
-std::vector<RoomEstimate> EstimateRooms(
-    LabelledViewSource& views, const EstimatorSpec& spec, const RoomsOptions& options,
-    const std::function<bool(int done, int total)>& on_progress);
+// Called while rooms are estimated.
+struct RoomsCallbacks {
+  // Gets the number of images done and of all. If it returns false, the estimation stops.
+  std::function<bool(int done, int total)> on_progress;
+  std::function<void(const LabelledView& view, const RoomEstimate& estimate)> on_estimate = {};
+};
+
+// Estimates the images of `views` by the estimator of `spec`; spec.min_score is not used. Returns
+// nothing if it was stopped. Throws InputError as MakeEstimator().
+std::vector<RoomEstimate> EstimateRooms(LabelledViewSource& views, const EstimatorSpec& spec,
+                                        const RoomsOptions& options,
+                                        const RoomsCallbacks& callbacks);
+
+// Drops poses with a lower score from the result of an image.
+void KeepReported(double min_score, AttemptScore& score);
 
 // Returns the rows. Poses with a lower score than `min_score` are not reported.
 std::vector<RoomsRow> RoomsRowsOf(const std::vector<RoomEstimate>& estimates, double min_score);

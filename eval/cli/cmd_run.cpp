@@ -9,10 +9,7 @@
 #include "eval/runtime/progress.h"
 #include "eval/summary/fill_text.h"
 #include "eval/sweep/run.h"
-#include "grasp/grippers/tools.h"
 #include "grasp/planners/table.h"
-#include "sim/convex/convex_pieces.h"
-#include "sim/drop/resting_poses.h"
 
 namespace pickbed::eval {
 namespace {
@@ -31,19 +28,6 @@ std::string UnusedSettings(const ScenarioSpec& spec) {
   if (!is_given) return {};
   return fmt::format("planner {} works without poses; estimator and refiner are not used\n",
                      spec.planner.name);
-}
-
-// Lines on grippers that cannot hold one of the objects.
-std::string UnfitTools(const ScenarioSpec& spec, const ObjectSet& objects) {
-  if (spec.gripper.names.size() == 1 || !PlannerNamed(spec.planner.name).needs_poses) return {};
-  ObjectSet wanted;
-  for (size_t i = 0; i < objects.size(); ++i) {
-    if (!spec.objects[i].distractor) wanted.push_back(objects[i]);
-  }
-  return WithSettingsKey(spec, "gripper", [&] {
-    return UnfitToolsText(WithRestingDirections(WithConvexPieces(wanted)),
-                          LoadTools(spec.gripper.names), spec.At("gripper"));
-  });
 }
 
 }  // namespace

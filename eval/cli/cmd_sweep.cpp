@@ -117,6 +117,16 @@ void Print(const SweepArguments& a, const std::vector<ConfigurationSummary>& con
   }
 }
 
+// Returns the lines of UnfitTools() for all configurations, each once.
+std::string UnfitToolsOf(const Sweep& sweep) {
+  std::string text;
+  for (const Configuration& configuration : sweep.configurations) {
+    const std::string lines = UnfitTools(configuration.spec, configuration.objects);
+    if (text.find(lines) == std::string::npos) text += lines;
+  }
+  return text;
+}
+
 SweepReport RunWithProgress(const Sweep& sweep, const SweepOptions& options,
                             const std::string& scenario) {
   ProgressLine progress;
@@ -195,8 +205,9 @@ int SweepCommand(int argc, char** argv) {
   if (!a.shard.empty()) options.shard = ParseShard(a.shard);
   if (a.slurm) return SweepOnSlurm(a, spec, options.out);
 
-  const SweepReport report =
-      RunWithProgress(MakeSweep(spec, options.out, a.catalog), options, spec.scenario);
+  const Sweep sweep = MakeSweep(spec, options.out, a.catalog);
+  fmt::print(stderr, "{}", UnfitToolsOf(sweep));
+  const SweepReport report = RunWithProgress(sweep, options, spec.scenario);
   if (!report.configurations.empty()) {
     Print(a, report.configurations, OutFolder(a.out, spec.name));
   }

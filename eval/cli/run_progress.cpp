@@ -5,7 +5,11 @@
 #include <memory>
 #include <stdexcept>
 
+#include "grasp/grippers/tools.h"
+#include "grasp/planners/table.h"
 #include "scenes/base/ids_format.h"
+#include "sim/convex/convex_pieces.h"
+#include "sim/drop/resting_poses.h"
 
 namespace pickbed::eval {
 
@@ -52,6 +56,18 @@ ObjectProgress ShowObjectsOn(ProgressLine& progress) {
     state.total = total;
     progress.Show(state);
   };
+}
+
+std::string UnfitTools(const ScenarioSpec& spec, const ObjectSet& objects) {
+  if (spec.gripper.names.size() == 1 || !PlannerNamed(spec.planner.name).needs_poses) return {};
+  ObjectSet wanted;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (!spec.objects[i].distractor) wanted.push_back(objects[i]);
+  }
+  return WithSettingsKey(spec, "gripper", [&] {
+    return UnfitToolsText(WithRestingDirections(WithConvexPieces(wanted)),
+                          LoadTools(spec.gripper.names), spec.At("gripper"));
+  });
 }
 
 void RequireNoCrash(const std::vector<CrashedTrial>& crashed) {

@@ -50,8 +50,8 @@ std::string Explainer::FitText(ObjectId object, const Pose& X_CO, const FitRepor
   std::string text =
       fmt::format("agree {}, hidden {}, violate {}", WholePercentText(fit.inlier_share),
                   WholePercentText(fit.hidden_share), WholePercentText(fit.violated_share));
-  const auto print = PrintCorrelation(in_.trace.cloud, models_[object], X_CO);
-  if (print) text += fmt::format(", texture {:.2f}", *print);
+  const auto correlation = TextureCorrelation(in_.trace.cloud, models_[object], X_CO);
+  if (correlation) text += fmt::format(", texture {:.2f}", *correlation);
   return text;
 }
 
@@ -134,7 +134,7 @@ void Explainer::Accepted() {
                   "where it is hidden (black). Orange is evidence against it: the camera measured "
                   "a surface behind the model point. Texture: how well the colours of a printed "
                   "object match, up to 1; below {:g} it lowers the score.",
-                  kPrintFound));
+                  kTextureFound));
   std::vector<PoseTile> tiles;
   const std::vector<Verdict> verdicts =
       judge_ ? JudgeSet(*judge_, in_.trace.accepted) : std::vector<Verdict>();

@@ -69,8 +69,8 @@ std::vector<double> CandidateScores(const OrganizedCloud& cloud,
   for (size_t i = 0; i < candidates.size(); ++i) {
     if (scores[i] < options.min_score) continue;
     const PoseHypothesis& hypothesis = candidates[i].hypothesis;
-    scores[i] = ScoreWithPrint(scores[i],
-                               PrintCorrelation(cloud, models[hypothesis.object], hypothesis.X_CO));
+    scores[i] = ScoreWithTexture(
+        scores[i], TextureCorrelation(cloud, models[hypothesis.object], hypothesis.X_CO));
   }
   return scores;
 }

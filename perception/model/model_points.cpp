@@ -186,7 +186,7 @@ ModelPoints MakeModelPoints(const ObjectModel& model, int points, int directions
     result.points_O.push_back(samples.points[i].cast<float>());
     result.normals_O.push_back(samples.normals[i].cast<float>());
   }
-  result.print = MakeSurfacePrint(model, even.points, even.triangles);
+  result.texture = MakeSurfaceTexture(model, even.points, even.triangles);
   result.edges = MakeEdgePoints(model.mesh_O);
   result.area_per_point_m2 = static_cast<float>(area / points);
   result.center_O = MeshBounds(model.mesh_O).center().cast<float>();

@@ -30,7 +30,7 @@ struct ModelPoints {
   float radius_m = 0;                                  // of the bounding ball about center_O
   float area_per_point_m2 = 0;
   DistanceField distance;  // distance to the surface, up to 15 mm away from it
-  SurfacePrint print;      // colours of points_O
+  SurfaceTexture texture;  // colours of points_O
   std::vector<EdgePoint> edges;
 
   // Returns the visible points of an object at X_CO, for the nearest of the viewing directions.

@@ -93,7 +93,7 @@ ColorSamples ColorSamplesAt(const OrganizedCloud& cloud, const ModelPoints& mode
                             const Pose& X_CO) {
   ColorSamples samples;
   for (const auto& [point, pixel] : SeenPoints(cloud, model, X_CO)) {
-    const Eigen::Vector3f& expected = model.print.colors[point];
+    const Eigen::Vector3f& expected = model.texture.colors[point];
     const Eigen::Vector3f seen = ToVector(cloud.color.data()[pixel]);
     std::array<Moments, 3>& side = samples.sides[SideOf(model.normals_O[point])];
     for (int k = 0; k < 3; ++k) side[k].Add(expected[k], seen[k]);
@@ -123,12 +123,12 @@ std::optional<double> CorrelationOf(const ColorSamples& samples) {
 
 }  // namespace
 
-SurfacePrint MakeSurfacePrint(const ObjectModel& model, std::span<const Eigen::Vector3d> points,
-                              std::span<const int> triangles) {
+SurfaceTexture MakeSurfaceTexture(const ObjectModel& model, std::span<const Eigen::Vector3d> points,
+                                  std::span<const int> triangles) {
   const TriangleMesh& mesh = model.mesh_O;
   const bool textured = !mesh.texture.empty() && !mesh.uvs.empty();
-  SurfacePrint print;
-  if (!textured && mesh.colors.empty()) return print;
+  SurfaceTexture texture;
+  if (!textured && mesh.colors.empty()) return texture;
   const double texel_m = textured ? TexelSize_m(mesh) : 0;
   const double pixel_m = kPixelDiameters * model.diameter_m;
   const int reach = texel_m > 0 ? static_cast<int>(std::lround(0.5 * pixel_m / texel_m)) : 0;
@@ -138,23 +138,23 @@ SurfacePrint MakeSurfacePrint(const ObjectModel& model, std::span<const Eigen::V
     if (textured) {
       const Eigen::Vector2d uv =
           w.x() * mesh.uvs[t.x()] + w.y() * mesh.uvs[t.y()] + w.z() * mesh.uvs[t.z()];
-      print.colors.push_back(TextureMean(mesh.texture, uv, reach));
+      texture.colors.push_back(TextureMean(mesh.texture, uv, reach));
     } else {
       const Eigen::Vector3f weights = w.cast<float>();
-      print.colors.push_back(weights.x() * ToVector(mesh.colors[t.x()]) +
-                             weights.y() * ToVector(mesh.colors[t.y()]) +
-                             weights.z() * ToVector(mesh.colors[t.z()]));
+      texture.colors.push_back(weights.x() * ToVector(mesh.colors[t.x()]) +
+                               weights.y() * ToVector(mesh.colors[t.y()]) +
+                               weights.z() * ToVector(mesh.colors[t.z()]));
     }
   }
-  print.symmetries_O = SymmetryTransforms(model.symmetries_O, kContinuousSteps);
-  return print;
+  texture.symmetries_O = SymmetryTransforms(model.symmetries_O, kContinuousSteps);
+  return texture;
 }
 
-std::optional<double> PrintCorrelation(const OrganizedCloud& cloud, const ModelPoints& model,
-                                       const Pose& X_CO) {
-  if (model.print.colors.empty() || cloud.color.empty()) return {};
+std::optional<double> TextureCorrelation(const OrganizedCloud& cloud, const ModelPoints& model,
+                                         const Pose& X_CO) {
+  if (model.texture.colors.empty() || cloud.color.empty()) return {};
   double best = -1;
-  for (const Pose& S_O : model.print.symmetries_O) {
+  for (const Pose& S_O : model.texture.symmetries_O) {
     const std::optional<double> correlation =
         CorrelationOf(ColorSamplesAt(cloud, model, X_CO * S_O));
     if (!correlation) return {};
@@ -163,10 +163,10 @@ std::optional<double> PrintCorrelation(const OrganizedCloud& cloud, const ModelP
   return best;
 }
 
-double ScoreWithPrint(double score, std::optional<double> print_correlation) {
+double ScoreWithTexture(double score, std::optional<double> texture_correlation) {
   constexpr double kMissing = 12;  // nats against a pose if no texture is found
-  if (!print_correlation || *print_correlation >= kPrintFound) return score;
-  const double missing = std::min(1.0, (kPrintFound - *print_correlation) / kPrintFound);
+  if (!texture_correlation || *texture_correlation >= kTextureFound) return score;
+  const double missing = std::min(1.0, (kTextureFound - *texture_correlation) / kTextureFound);
   return LessLikely(score, kMissing * missing);
 }
 

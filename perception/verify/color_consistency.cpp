@@ -38,7 +38,7 @@ std::optional<Eigen::Vector2d> ChromaticityOf(const OrganizedCloud& cloud,
                                               const std::vector<ModelPoints>& models,
                                               const PoseHypothesis& h) {
   const ModelPoints& model = models[h.object];
-  if (!model.print.colors.empty()) return {};
+  if (!model.texture.colors.empty()) return {};
   return ChromaticityAt(cloud, model, h.X_CO);
 }
 

@@ -4,8 +4,6 @@
 
 namespace pickbed::scenes {
 
-inline constexpr double kPadFriction = 1.0;
-
 // Returns the Coulomb friction coefficient of two surfaces: the product of their values, as in
 // Bullet. The value of an object is its friction against a gripper pad of value 1.
 inline double PairFriction(double a, double b) { return a * b; }

@@ -67,7 +67,7 @@ struct ObjectSettings {
     v.Text("mesh", mesh, {}, "mesh file in the same folder");
     v.Text("unit", unit, {"m", "cm", "mm", "in"},
            "unit of the coordinates in the mesh file and the convex file");
-    v.Real("mass_kg", mass_kg, {0, 100},
+    v.Real("mass_kg", mass_kg, {0, kMaxObjectMass_kg},
            "mass of the object, kg; give either this or density_kgpm3");
     v.Real("density_kgpm3", density_kgpm3, {0, 25000},
            "density of the object, kg/m3; give either this or mass_kg");

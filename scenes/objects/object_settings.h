@@ -7,6 +7,8 @@
 
 namespace pickbed::scenes {
 
+inline constexpr double kMaxObjectMass_kg = 100;
+
 // Visits all keys of object.yaml with their default values, ranges and help. The lists
 // (symmetries.discrete, symmetries.continuous and resting_poses) are empty. A visitor that resizes
 // a list sees the keys of its items.

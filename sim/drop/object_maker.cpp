@@ -6,6 +6,7 @@
 
 #include "scenes/base/error.h"
 #include "scenes/geometry/symmetry_finder.h"
+#include "scenes/objects/object_settings.h"
 #include "scenes/objects/sampled_object.h"
 #include "sim/convex/convex_hull.h"
 
@@ -40,9 +41,6 @@ TriangleMesh HullOf(const TriangleMesh& mesh) {
   solid.triangles = hull.triangles;
   return solid;
 }
-
-// Limit of mass_kg in the file of an object.
-constexpr double kMaxObjectMass_kg = 100;
 
 MassProperties MassOf(const ObjectRequest& request, const InspectedMesh& inspected) {
   const TriangleMesh solid = inspected.watertight ? inspected.mesh_O : HullOf(inspected.mesh_O);

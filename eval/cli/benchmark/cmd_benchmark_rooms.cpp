@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "eval/benchmark/rooms.h"
+#include "eval/benchmark/rooms_pictures.h"
 #include "eval/cli/arguments.h"
 #include "eval/cli/benchmark/cmd_benchmark.h"
 #include "eval/estimate/estimator_comparison.h"
@@ -30,23 +31,35 @@ int RunRoomsTable(const RoomsArguments& arguments) {
   const std::filesystem::path folder = OutFolder(arguments.out, "rooms");
   MakeFolder(folder);
   CatchInterrupts();
+  const std::filesystem::path pictures = folder / "pictures";
   std::vector<RoomEstimate> estimates;
+  int written = 0;
   {
+    const auto views = MakeTrainingViews(set);
     ProgressLine progress;
     ProgressState state;
     state.what = "image";
-    estimates =
-        EstimateRooms(*MakeTrainingViews(set), spec, arguments.rooms, [&](int done, int total) {
-          state.done = done;
-          state.total = total;
-          progress.Show(state);
-          return !Interrupted();
-        });
+    RoomsCallbacks callbacks;
+    callbacks.on_progress = [&](int done, int total) {
+      state.done = done;
+      state.total = total;
+      progress.Show(state);
+      return !Interrupted();
+    };
+    callbacks.on_estimate = [&](const LabelledView& view, const RoomEstimate& estimate) {
+      written +=
+          WriteRoomWithWrongPoses(pictures, views->objects(), view, estimate, arguments.min_score);
+    };
+    estimates = EstimateRooms(*views, spec, arguments.rooms, callbacks);
   }
   if (estimates.empty()) return kExitInterrupted;
   const std::vector<RoomsRow> rows = RoomsRowsOf(estimates, arguments.min_score);
   WriteFileAtomically(folder / kRoomsFile, RoomsCsv(rows));
   fmt::print("{}{} in {}\n", RoomsText(rows), kRoomsFile, folder.string());
+  if (written > 0) {
+    fmt::print("{} picture{} of wrong poses in {}\n", written, written == 1 ? "" : "s",
+               pictures.string());
+  }
   return 0;
 }
 

@@ -106,6 +106,14 @@ image_gives_overlay_and_poses() {
   [ "$(wc -l <none/poses.csv)" = 1 ] || fail "poses with low scores are reported"
   grep -q "estimator.min_score = 1 or more; lower it with --set estimator.min_score=0.1" last.err ||
     fail "no remedy without poses"
+  # The right half of the poses (column 12 is tx_m).
+  local half
+  half=$(awk -F, 'NR > 1 { print $12 }' poses/poses.csv | sort -g |
+    awk '{ last = $1; if (NR == 1) first = $1 } END { print (first + last) / 2 }')
+  expect 0 "$pickbed" estimate "${image[@]}" --object rod --roi "camera:$half,-9,0.01,9,9,9" --out right
+  awk -F, -v half="$half" 'NR > 1 && $12 < half { exit 1 }' right/poses.csv ||
+    fail "poses outside the region are reported"
+  [ "$(wc -l <right/poses.csv)" -gt 1 ] || fail "no pose in the region"
   expect 0 "$pickbed" estimate --bop set --roi camera:-9,-9,0.01,9,9,0.02 --out none
   [ "$(wc -l <none/descriptor_set-test.csv)" = 1 ] || fail "poses outside the region are reported"
   expect 0 "$pickbed" estimate rods.yaml --set roi.max_m=[0.001,0.001,0.001] --out none

@@ -94,6 +94,18 @@ YAML
     fail "a band without scenes is not named"
 }
 
+sweep_names_a_gripper_that_cannot_hold_the_object_once() {
+  cat >two_grippers.yaml <<'YAML'
+scenario: bin_rod
+trials: 1
+set: {estimator.name: oracle, objects.0.count: 1}
+grid: {gripper: [jaw_4cm, [jaw_4cm, cup_30mm]], estimator.noise_mm: [0, 1]}
+YAML
+  expect 0 "$pickbed" sweep two_grippers.yaml --out two_grippers
+  local line="gripper: cup_30mm cannot hold 'rod'; other grippers pick it"
+  [ "$(grep -c "$line" last.err)" = 1 ] || fail "the gripper is not named once"
+}
+
 # _refused_sweep TEXT YAML: fails unless a sweep with this YAML is refused in one line with TEXT.
 _refused_sweep() {
   local wanted=$1

@@ -5,10 +5,13 @@
 
 #include <cmath>
 
+#include "eval/benchmark/rooms_pictures.h"
 #include "eval/metrics/metric_table.h"
 #include "eval/train/job.h"
+#include "scenes/image/image_io.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
 namespace {
@@ -37,11 +40,11 @@ TEST(EstimateRooms, CountsImagesInstancesAndPoses) {
   options.empty = 0;
   int calls = 0;
   const std::vector<RoomEstimate> estimates =
-      EstimateRooms(views, spec, options, [&](int done, int total) {
-        EXPECT_EQ(done, calls++);
-        EXPECT_EQ(total, 1);
-        return true;
-      });
+      EstimateRooms(views, spec, options, {[&](int done, int total) {
+                      EXPECT_EQ(done, calls++);
+                      EXPECT_EQ(total, 1);
+                      return true;
+                    }});
   const std::vector<RoomsRow> rows = RoomsRowsOf(estimates, spec.min_score);
   const RoomsRow bin = RowOf(rows, "bin", "all"), given = RowOf(rows, "bin", "given");
   EXPECT_EQ(bin.images, 1);
@@ -54,7 +57,7 @@ TEST(EstimateRooms, CountsImagesInstancesAndPoses) {
   EXPECT_EQ(all.poses, given.poses);
   // No plane is found, and in every second image none is looked for.
   EXPECT_EQ(RowOf(rows, "all", "unknown").images, 2);
-  EXPECT_TRUE(EstimateRooms(views, spec, options, [](int, int) { return false; }).empty());
+  EXPECT_TRUE(EstimateRooms(views, spec, options, {[](int, int) { return false; }}).empty());
 }
 
 // A pose below the minimum score recalls nothing, but it counts for the calibration.
@@ -79,6 +82,30 @@ TEST(RoomsRowsOf, ReportsPosesFromTheMinimumScore) {
   EXPECT_NEAR(row.calibration_error.value, (0.2 + 0.6) / 2, 1e-12);
 }
 
+// So the folder of the pictures has only images with wrong poses.
+TEST(WriteRoomWithWrongPoses, OnlyWrongReportedPosesGiveAPicture) {
+  const TemporaryFolder folder;
+  RayCastViews views({ObjectOf(BracketMesh())});
+  const LabelledView view = views.ClutterScene({1, 1}).front();
+  RoomEstimate estimate{"table", kUnknownBackground, false};
+  estimate.image.trial = 7;
+  estimate.image.score.instances.resize(1);
+  ScoredHypothesis& right = estimate.image.score.hypotheses.emplace_back();
+  right.estimate.X_CO = view.instances[0].X_CO;
+  right.record.score = 0.9;
+  right.recalled = 0;
+  ScoredHypothesis wrong = right;
+  wrong.record.score = 0.4;
+  wrong.recalled = -1;
+  estimate.image.score.hypotheses.push_back(wrong);
+  EXPECT_FALSE(
+      WriteRoomWithWrongPoses(folder.path() / "few", views.objects(), view, estimate, 0.5));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "few"));
+  EXPECT_TRUE(WriteRoomWithWrongPoses(folder.path() / "all", views.objects(), view, estimate, 0.3));
+  const Image<Rgb8> picture = ReadPng(folder.path() / "all" / "007_table_unknown_planes_off.png");
+  EXPECT_EQ(picture.width(), view.frame.intrinsics.width());
+}
+
 // Walls, tables and boxes look like hidden mugs to a verifier that has seen only bins: it reports
 // 17 poses in 6 such rooms.
 TEST(EstimateRooms, ShippedVerifiersReportNothingInEmptyRooms) {
@@ -91,7 +118,7 @@ TEST(EstimateRooms, ShippedVerifiersReportNothingInEmptyRooms) {
   options.empty = 4;
   const auto views = MakeTrainingViews(PlanTrainingSet(choice));
   const std::vector<RoomsRow> rows = RoomsRowsOf(
-      EstimateRooms(*views, spec, options, [](int, int) { return true; }), spec.min_score);
+      EstimateRooms(*views, spec, options, {[](int, int) { return true; }}), spec.min_score);
   EXPECT_EQ(RowOf(rows, "empty", "all").images, 4);
   EXPECT_LE(RowOf(rows, "empty", "all").poses, 1);
 }
@@ -136,7 +163,7 @@ TEST(EstimateRooms, ScoresAreReliableForEachBackground) {
   options.empty = 0;
   const auto views = MakeTrainingViews(PlanTrainingSet(choice));
   const std::vector<RoomEstimate> estimates =
-      EstimateRooms(*views, spec, options, [](int, int) { return true; });
+      EstimateRooms(*views, spec, options, {[](int, int) { return true; }});
   for (const char* background : {kGivenBackground, kFittedBackground, kUnknownBackground}) {
     SCOPED_TRACE(background);
     const ForecastClusters forecasts = RoomForecasts(estimates, background);

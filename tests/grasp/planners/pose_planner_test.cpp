@@ -47,18 +47,32 @@ TEST(PosePlanner, PlansAsPlanGraspsDoes) {
   }
 }
 
-TEST(PosePlanner, GraspsMoveWithTheBin) {
+// A second cube covers the side of the first one, so that its lift is pulled aside.
+TEST(PosePlanner, GraspsAndTheirLiftsMoveWithTheBin) {
   const CubeOnFloor cube;
   PosePlanner planner(cube.Setup());
-  const Pose X_WB = Translation({0.1, -0.2, 0.3});
-  PlannerInput here{cube.frame, Pose::Identity(), BinPlacement{cube.bin, Pose::Identity()}};
-  here.poses = {&cube.pose, 1};
-  EstimatedPose moved = cube.pose;
-  moved.X_WO = X_WB * moved.X_WO;
-  PlannerInput there{cube.frame, Pose::Identity(), BinPlacement{cube.bin, X_WB}};
-  there.poses = {&moved, 1};
-  const Grasp a = planner.Plan(here).grasps.at(0), b = planner.Plan(there).grasps.at(0);
-  EXPECT_TRUE(b.X_WG.isApprox(X_WB * a.X_WG, 1e-9));
+  const EstimatedPose cover{ObjectId(0), Translation({0.044, 0.01, 0.046}), 1};
+  const std::vector<EstimatedPose> here{cube.pose, cover};
+  std::vector<EstimatedPose> there = here;
+  const Pose X_WB =
+      Translation({0.1, -0.2, 0.3}) * Pose(Eigen::AngleAxisd(2.0, Eigen::Vector3d::UnitZ()));
+  for (EstimatedPose& pose : there) pose.X_WO = X_WB * pose.X_WO;
+  const auto plan = [&](const std::vector<EstimatedPose>& poses, const Pose& bin_pose) {
+    PlannerInput input{cube.frame, Pose::Identity(), BinPlacement{cube.bin, bin_pose}};
+    input.poses = poses;
+    input.max_grasps = 1000;
+    return planner.Plan(input).grasps;
+  };
+  const std::vector<Grasp> before = plan(here, Pose::Identity()), after = plan(there, X_WB);
+  ASSERT_EQ(before.size(), after.size());
+  const Eigen::Matrix2d R_WB = X_WB.linear().topLeftCorner<2, 2>();
+  int aside = 0;
+  for (size_t i = 0; i < before.size(); ++i) {
+    EXPECT_TRUE(after[i].X_WG.isApprox(X_WB * before[i].X_WG, 1e-9)) << i;
+    EXPECT_LT((after[i].lift_aside_m - R_WB * before[i].lift_aside_m).norm(), 1e-12) << i;
+    aside += before[i].lift_aside_m.norm() > 0.001;
+  }
+  EXPECT_GT(aside, 0);
 }
 
 TEST(PosePlanner, NeedsABin) {

@@ -73,7 +73,7 @@ class TexturedSlab : public ::testing::Test {
     return cloud;
   }
   std::optional<double> CorrelationWith(const Painting& painting) const {
-    return PrintCorrelation(Seen(painting), model_, X_CO_);
+    return TextureCorrelation(Seen(painting), model_, X_CO_);
   }
 
   Image<Rgb8> texture_ = RandomTexture(1), other_ = RandomTexture(2);
@@ -101,22 +101,22 @@ TEST_F(TexturedSlab, StrengthAndTintOfTheLightDoNotMatter) {
 // larger for fewer points.
 TEST_F(TexturedSlab, FewerPointsGiveWeakerEvidence) {
   OrganizedCloud cloud = Seen([](const auto&) { return kGrey; });
-  const double whole = *PrintCorrelation(cloud, model_, X_CO_);
+  const double whole = *TextureCorrelation(cloud, model_, X_CO_);
   for (int y = 0; y < cloud.depth_m.height(); ++y) {
     for (int x = 0; x < cloud.depth_m.width() / 2; ++x) cloud.depth_m(x, y) = 0;
   }
-  EXPECT_GT(*PrintCorrelation(cloud, model_, X_CO_), whole);
+  EXPECT_GT(*TextureCorrelation(cloud, model_, X_CO_), whole);
 }
 
 TEST_F(TexturedSlab, NoCorrelationWithoutTextureOrColour) {
   OrganizedCloud cloud = Seen(Showing(texture_));
-  EXPECT_FALSE(PrintCorrelation(cloud, model_, Translation({0, 0, 0.3}))) << "in front of it";
+  EXPECT_FALSE(TextureCorrelation(cloud, model_, Translation({0, 0, 0.3}))) << "in front of it";
   const auto plain = ObjectOf(BoxMesh({kSide_m, kSide_m, 0.02}, Eigen::Vector3d::Zero()));
-  EXPECT_FALSE(PrintCorrelation(cloud, MakeModelPoints(*plain), X_CO_));
+  EXPECT_FALSE(TextureCorrelation(cloud, MakeModelPoints(*plain), X_CO_));
   const auto one_colour = ObjectOf(SlabWithTexture(Image<Rgb8>(8, 8, kGrey)));
-  EXPECT_FALSE(PrintCorrelation(cloud, MakeModelPoints(*one_colour), X_CO_));
+  EXPECT_FALSE(TextureCorrelation(cloud, MakeModelPoints(*one_colour), X_CO_));
   cloud.color = {};
-  EXPECT_FALSE(PrintCorrelation(cloud, model_, X_CO_));
+  EXPECT_FALSE(TextureCorrelation(cloud, model_, X_CO_));
 }
 
 // Depth does not determine the orientation of a symmetric object, so any symmetric pose may be
@@ -179,20 +179,20 @@ TEST_F(TexturedSlab, DistractorOfTheSameShapeScoresLess) {
       << "below the minimum score: the texture is not compared";
 }
 
-TEST(ScoreWithPrint, ScoreFallsWithCorrelationAndNeverRises) {
-  EXPECT_EQ(ScoreWithPrint(0.9, std::nullopt), 0.9);
+TEST(ScoreWithTexture, ScoreFallsWithCorrelationAndNeverRises) {
+  EXPECT_EQ(ScoreWithTexture(0.9, std::nullopt), 0.9);
   double before = 0;
   for (double correlation = -1; correlation <= 1; correlation += 0.125) {
-    const double score = ScoreWithPrint(0.9, correlation);
+    const double score = ScoreWithTexture(0.9, correlation);
     EXPECT_GE(score, before);
     EXPECT_LE(score, 0.9);
     before = score;
   }
   EXPECT_EQ(before, 0.9);
-  EXPECT_LT(ScoreWithPrint(0.9, 0), 0.01);
+  EXPECT_LT(ScoreWithTexture(0.9, 0), 0.01);
   for (const double certain : {0.0, 1.0}) {
-    EXPECT_TRUE(std::isfinite(ScoreWithPrint(certain, 0)));
-    EXPECT_LE(ScoreWithPrint(certain, 0), certain);
+    EXPECT_TRUE(std::isfinite(ScoreWithTexture(certain, 0)));
+    EXPECT_LE(ScoreWithTexture(certain, 0), certain);
   }
 }
 

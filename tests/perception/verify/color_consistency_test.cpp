@@ -143,9 +143,9 @@ TEST_F(RowsOfCubes, UndecidablePosesAreUnchanged) {
   Paint(2, {10, 10, 10});
   EXPECT_EQ(Scores()[2], kScore) << "too dark";
   Paint(2, kGrey);
-  models_[0].print.colors.resize(models_[0].points_O.size());
+  models_[0].texture.colors.resize(models_[0].points_O.size());
   EXPECT_EQ(Scores()[2], kScore) << "textured";
-  models_[0].print.colors.clear();
+  models_[0].texture.colors.clear();
   EXPECT_LT(Scores()[2], kScore);
   cloud_.color = {};
   EXPECT_EQ(Scores()[2], kScore) << "no colours";
