@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <regex>
+#include <string>
 
 #include "eval/draw/overlay.h"
 #include "eval/sweep/attempt_pictures.h"
@@ -28,6 +30,13 @@ bool WriteRoomWithWrongPoses(const std::filesystem::path& folder, const ObjectSe
                                 estimate.background, estimate.fits_background ? "" : "_planes_off"),
            DrawOverlay(input));
   return true;
+}
+
+void RemoveRoomPictures(const std::filesystem::path& folder) {
+  static const std::regex written("[0-9]{3,}_(bin|table|empty)_(given|fitted|unknown).*");
+  for (const std::string& stem : StemsIn(folder, ".png")) {
+    if (std::regex_match(stem, written)) std::filesystem::remove(folder / (stem + ".png"));
+  }
 }
 
 }  // namespace pickbed::eval

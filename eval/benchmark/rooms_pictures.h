@@ -19,4 +19,7 @@ bool WriteRoomWithWrongPoses(const std::filesystem::path& folder, const ObjectSe
                              const LabelledView& view, const RoomEstimate& estimate,
                              double min_score);
 
+// Removes the pictures that earlier calls have written to the folder, and no other file.
+void RemoveRoomPictures(const std::filesystem::path& folder);
+
 }  // namespace pickbed::eval

@@ -1,6 +1,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <set>
+#include <sstream>
+#include <string>
+
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/cli/run_progress.h"
@@ -119,12 +123,12 @@ void Print(const SweepArguments& a, const std::vector<ConfigurationSummary>& con
 
 // Returns the lines of UnfitTools() for all configurations, each once.
 std::string UnfitToolsOf(const Sweep& sweep) {
-  std::string text;
+  std::set<std::string> lines;
   for (const Configuration& configuration : sweep.configurations) {
-    const std::string lines = UnfitTools(configuration.spec, configuration.objects);
-    if (text.find(lines) == std::string::npos) text += lines;
+    std::istringstream text(UnfitTools(configuration.spec, configuration.objects));
+    for (std::string line; std::getline(text, line);) lines.insert(line + "\n");
   }
-  return text;
+  return fmt::format("{}", fmt::join(lines, ""));
 }
 
 SweepReport RunWithProgress(const Sweep& sweep, const SweepOptions& options,

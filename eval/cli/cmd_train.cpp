@@ -5,6 +5,7 @@
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/cli/completion/commands.h"
+#include "eval/cli/train_messages.h"
 #include "eval/page/html.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
@@ -176,22 +177,6 @@ std::unique_ptr<EstimatorTraining> VerifierTrainingOf(const std::string& name) {
     names.push_back(row.name);
   }
   throw InputError(UnknownNameMessage("--verifier-for", name, names));
-}
-
-std::string NothingToResume(const std::filesystem::path& file) {
-  return fmt::format("no {} to resume from; remove --resume to start anew", file.string());
-}
-
-// Says what a stopped training has kept. `file` may not exist yet; `content` is what it keeps.
-void SayStopped(const std::filesystem::path& file, const std::string& content) {
-  if (std::filesystem::exists(file)) {
-    fmt::print(stderr,
-               "pickbed: stopped; {} keeps {}; repeat the same command with --resume to continue "
-               "from there\n",
-               file.string(), content);
-  } else {
-    fmt::print(stderr, "pickbed: stopped before anything was trained that could be kept\n");
-  }
 }
 
 int TrainVerifiers(const TrainArguments& arguments, const TrainingSet& training_set,

@@ -1,7 +1,14 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/cli/train_messages.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
 #include "eval/train/job.h"
@@ -10,6 +17,7 @@
 #include "perception/training/training.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 
 namespace pickbed::eval {
 namespace {
@@ -41,28 +49,27 @@ int Train(const TrainVerifierArguments& arguments) {
   SharedVerifierReport report;
   {
     ProgressLine progress;
-    const auto count = static_cast<int>(training_set.objects.size());
-    int done = -1;
-    std::string_view current;
-    const SharedVerifierJob job{*views,
-                                choice.start_from,
-                                file,
-                                arguments.resume,
-                                SensorNames(training_set),
-                                [&](std::string_view object, double share) {
-                                  if (object != current) ++done;
-                                  current = object;
-                                  progress.Show(fmt::format("object {}/{}, {}: {}", done + 1, count,
-                                                            object, WholePercentText(share)));
-                                  return !Interrupted();
-                                }};
+    const ObjectSet& objects = training_set.objects;
+    std::optional<double> resumed_from;
+    const auto show = [&](std::string_view name, double share) {
+      const auto current = std::ranges::find(objects, name, [](const auto& o) { return o->name; });
+      const auto index = static_cast<double>(current - objects.begin());
+      const double done = (index + share) / static_cast<double>(objects.size());
+      resumed_from = resumed_from.value_or(done);
+      const std::string content = fmt::format("object {:.0f}/{}, {}: {}", index + 1, objects.size(),
+                                              name, WholePercentText(share));
+      const double left_s =
+          done > *resumed_from ? progress.elapsed_s() * (1 - done) / (done - *resumed_from) : -1;
+      progress.ShowTimed(fmt::format("{}  left {}", content, FormatDuration(left_s)), content);
+      return !Interrupted();
+    };
+    const SharedVerifierJob job{*views,           choice.start_from,         file,
+                                arguments.resume, SensorNames(training_set), show};
     report = TrainSharedVerifier(job, VerifierOptionsOf(arguments.training));
   }
   if (!report.finished) {
-    fmt::print(stderr,
-               "pickbed: stopped; {} keeps the candidates of {} objects; repeat the same command "
-               "with --resume to continue from there\n",
-               unfinished.string(), report.objects);
+    SayStopped(unfinished,
+               "the candidates of " + Counted(static_cast<size_t>(report.objects), "object"));
     return kExitInterrupted;
   }
   fmt::print(

@@ -217,8 +217,8 @@ ResultPage BenchmarkPage() {
          Csv(kCropViewsFile, "one line per test view, method and stage", CropViewsColumns()),
          Csv(kCropDifferencesFile, "paired differences of two methods", CropDifferencesColumns()),
          Csv(kTimingsFile, "durations", CropTimingsColumns()),
-         Csv(kRoomsFile, "`rooms`: one line per kind of rooms and of background",
-             RoomsColumns())}}}};
+         Csv(kRoomsFile, "`rooms`: one line per kind of rooms and of background", RoomsColumns()),
+         Plain("pictures/NUMBER_ROOMS_BACKGROUND.png", "`rooms`: images with a wrong pose")}}}};
 }
 
 ResultPage CompletionPage() {

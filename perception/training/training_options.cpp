@@ -40,7 +40,7 @@ void TrainingOptions::Visit(SettingsVisitor& v) {
             "no verifier for unknown backgrounds");
   v.Text("shared_verifier", shared_verifier, {},
          "network for unknown backgrounds that all objects share, made by `pickbed train "
-         "verifier`: a file, the name of a shipped one, or none = each object has its own");
+         "verifier`: a file, or none = each object has its own");
   v.Integer("verifier_entries", verifier_entries, {1, 10000000},
             "number of codebook entries per object while its verifier is trained");
   v.Integer("checkpoint_every", checkpoint_every, {1, 1000000},

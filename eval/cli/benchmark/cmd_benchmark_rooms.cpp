@@ -11,6 +11,7 @@
 #include "eval/train/job.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 
 namespace pickbed::eval {
 namespace {
@@ -32,8 +33,9 @@ int RunRoomsTable(const RoomsArguments& arguments) {
   MakeFolder(folder);
   CatchInterrupts();
   const std::filesystem::path pictures = folder / "pictures";
+  RemoveRoomPictures(pictures);  // of an earlier benchmark
   std::vector<RoomEstimate> estimates;
-  int written = 0;
+  size_t written = 0;
   {
     const auto views = MakeTrainingViews(set);
     ProgressLine progress;
@@ -57,8 +59,7 @@ int RunRoomsTable(const RoomsArguments& arguments) {
   WriteFileAtomically(folder / kRoomsFile, RoomsCsv(rows));
   fmt::print("{}{} in {}\n", RoomsText(rows), kRoomsFile, folder.string());
   if (written > 0) {
-    fmt::print("{} picture{} of wrong poses in {}\n", written, written == 1 ? "" : "s",
-               pictures.string());
+    fmt::print("{} of wrong poses in {}\n", Counted(written, "picture"), pictures.string());
   }
   return 0;
 }

@@ -55,7 +55,7 @@ training_resumes_after_an_interrupt() {
   wait $pid
   rc=$?
   [ $rc = 130 ] || fail "the exit status is $rc, not 130"
-  grep -q "rooms.net.checkpoint keeps the candidates of 1 objects" stopped.err || fail "it is not said what is kept"
+  grep -q "rooms.net.checkpoint keeps the candidates of 1 object;" stopped.err || fail "it is not said what is kept"
   expect 0 "$pickbed" train verifier --from both.net "${quick[@]}" --out rooms.net --resume
   cmp rooms.net whole.net || fail "a stopped and resumed training gives another verifier"
   expect 0 "$pickbed" train rod "${quick[@]}" --set shared_verifier=rooms.net --out shared.net

@@ -8,6 +8,7 @@
 #include "eval/benchmark/rooms_pictures.h"
 #include "eval/metrics/metric_table.h"
 #include "eval/train/job.h"
+#include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
@@ -104,6 +105,9 @@ TEST(WriteRoomWithWrongPoses, OnlyWrongReportedPosesGiveAPicture) {
   EXPECT_TRUE(WriteRoomWithWrongPoses(folder.path() / "all", views.objects(), view, estimate, 0.3));
   const Image<Rgb8> picture = ReadPng(folder.path() / "all" / "007_table_unknown_planes_off.png");
   EXPECT_EQ(picture.width(), view.frame.intrinsics.width());
+  WritePng(folder.path() / "all" / "007.png", picture);
+  RemoveRoomPictures(folder.path() / "all");
+  EXPECT_EQ(StemsIn(folder.path() / "all", ".png"), std::vector<std::string>{"007"});
 }
 
 // Walls, tables and boxes look like hidden mugs to a verifier that has seen only bins: it reports

@@ -6,40 +6,17 @@
 #include <filesystem>
 
 #include "perception/networks/model_file.h"
-#include "perception/training/training.h"
 #include "scenes/base/files.h"
 #include "tests/support/error_of.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/tiny_training.h"
 
 namespace pickbed::tests {
 namespace {
 
 using testing::HasSubstr;
-
-// Seconds of training, for two objects.
-TrainingOptions QuickOptions() {
-  TrainingOptions options;
-  options.clutter_scenes = 4;
-  options.views_per_scene = 1;
-  options.positive_pairs.patches_per_view = 60;
-  options.verifier_entries = 480;
-  options.iterations = 12;
-  options.batch = 24;
-  options.verifier_clutter_scenes = 2;
-  options.verifier_room_scenes = 2;
-  options.network.descriptor = 8;
-  options.verifier.iterations = 50;
-  options.candidates.points = 40;
-  options.candidates.candidates = 30;
-  options.candidates.min_candidates = 10;
-  options.fast_candidates = options.candidates;
-  options.held_out.clutter_scenes = 2;
-  options.held_out.queries = 40;
-  options.held_out.book_views = 20;
-  return options;
-}
 
 class SharedVerifier : public testing::Test {
  protected:
@@ -49,7 +26,7 @@ class SharedVerifier : public testing::Test {
     static const std::filesystem::path file = [] {
       RayCastViews views(Objects());
       const std::filesystem::path model = folder.path() / "model.net";
-      TrainDescriptor({views, model, {}, false, {}, "test sensor", {}}, QuickOptions());
+      TrainDescriptor({views, model, {}, false, {}, "test sensor", {}}, TinyOptions());
       return model;
     }();
     return file;
@@ -76,7 +53,7 @@ class SharedVerifier : public testing::Test {
   RayCastViews views_{Objects()};
   const TemporaryFolder temporary_;
   const std::filesystem::path folder_ = temporary_.path();
-  VerifierTrainingOptions options_ = VerifierOptionsOf(QuickOptions());
+  VerifierTrainingOptions options_ = VerifierOptionsOf(TinyOptions());
 };
 
 TEST_F(SharedVerifier, StoppedAndResumedEqualsUninterrupted) {
@@ -117,7 +94,7 @@ TEST_F(SharedVerifier, TrainingOfAModelUsesItAndNoticesAnotherOne) {
   TrainSharedVerifier(Job("first"), options_);
   options_.seed = 1;
   TrainSharedVerifier(Job("second"), options_);
-  TrainingOptions training = QuickOptions();
+  TrainingOptions training = TinyOptions();
   TrainingJob job{views_, folder_ / "m.net", folder_ / "m.ckpt", false, {}, "s", {}};
   training.shared_verifier = Job("first").file.string();
   job.on_progress = [](const TrainingProgress& progress) { return progress.phase != "verifier"; };
@@ -146,7 +123,7 @@ TEST_F(SharedVerifier, TrainingOfAModelUsesItAndNoticesAnotherOne) {
 
 TEST_F(SharedVerifier, AnotherNumberOfHiddenUnitsIsRefused) {
   TrainSharedVerifier(Job("a"), options_);
-  TrainingOptions training = QuickOptions();
+  TrainingOptions training = TinyOptions();
   training.shared_verifier = Job("a").file.string();
   training.verifier.hidden = 7;
   EXPECT_THAT(ErrorOf([&] { VerifierOptionsOf(training); }), HasSubstr("set verifier.hidden=24"));

@@ -19,36 +19,12 @@
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/tiny_training.h"
 
 namespace pickbed::tests {
 namespace {
 
 using testing::HasSubstr;
-
-// Seconds of training: enough to learn something, not enough to be good.
-TrainingOptions TinyOptions() {
-  TrainingOptions options;
-  options.clutter_scenes = 4;
-  options.views_per_scene = 1;
-  options.positive_pairs.patches_per_view = 60;
-  options.verifier_entries = 480;
-  options.iterations = 24;
-  options.batch = 24;
-  options.verifier_clutter_scenes = 2;
-  options.verifier_room_scenes = 2;
-  options.checkpoint_every = 8;
-  options.network.descriptor = 8;
-  options.verifier.iterations = 50;
-  options.candidates.points = 40;
-  options.candidates.candidates = 30;
-  options.candidates.min_candidates = 10;
-  options.fast_candidates = options.candidates;
-  options.held_out.clutter_scenes = 2;
-  options.held_out.queries = 40;
-  options.held_out.book_views = 20;
-  options.held_out.every = 8;
-  return options;
-}
 
 class Training : public testing::Test {
  protected:
