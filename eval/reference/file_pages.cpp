@@ -70,8 +70,8 @@ ResultPage RunPage() {
                     "files: [tables of {}](files_store.md), [budget, comparison and "
                     "estimate](files_measurements.md), [tolerance maps and "
                     "benchmarks](files_benchmark.md), [benchmark of "
-                    "completion](files_completion.md), [scenes, objects and "
-                    "models](files_objects.md), [datasets](files_datasets.md).",
+                    "completion](files_completion.md), [scenes and objects](files_objects.md), "
+                    "[trained models](files_models.md), [datasets](files_datasets.md).",
                     kTimingsFile, kIntervals, kStoreFile),
         {Plain(kStoreFile,
                "all results, as an SQLite database; the other files are computed from "
@@ -275,7 +275,7 @@ ResultFolder ExecutionFolder() {
 
 ResultPage ObjectsPage() {
   return {"files_objects.md",
-          "Result files of scenes, objects and models",
+          "Result files of scenes and objects",
           {{"pickbed drop",
             "One settled scene.",
             {Plain("color.png", "camera image"),
@@ -307,30 +307,6 @@ ResultPage ObjectsPage() {
            {"pickbed sensor, pickbed gripper",
             "The name is given by `--out`.",
             {Plain("sensor_NAME.png, gripper_NAME.png", "picture")}},
-           {"pickbed train",
-            "Model file, and a report folder beside it.",
-            {Plain("MODEL.net", "trained model"),
-             Plain("MODEL.net.checkpoint", "state of an interrupted training"),
-             Plain(kIndexPage, "page with curves and pictures"),
-             Csv(kCurvesFile, "one line per measurement of the held-out recall",
-                 CurvesColumns({"OBJECT"})),
-             Csv(kTimingsFile, "durations", TrainingTimingsColumns())}},
-           {"pickbed train verifier",
-            "One file.",
-            {Plain("FILE.net", "network for unknown backgrounds that objects share"),
-             Plain("FILE.net.checkpoint", "candidates of an interrupted training")}},
-           {"pickbed train completion",
-            "Model file, and a report folder beside it.",
-            {Plain("MODEL.net", "trained network"),
-             Plain("MODEL.net.checkpoint", "state of an interrupted training"),
-             Plain(fmt::format("{}, completions_SPLIT.png", kIndexPage),
-                   "page with curves, and its pictures"),
-             Csv(kCompletionCurvesFile, "one line per measurement and held-out split",
-                 CompletionCurvesColumns())}},
-           {"pickbed train grasps",
-            "Model file, and a folder of executed grasps.",
-            {Plain("MODEL.net", "trained network"),
-             Plain("group_NNNN.grasps", "inputs and outcomes of the grasps of one group of bins")}},
            {"pickbed segment",
             "One results folder.",
             {Plain("pictures/IMAGE.png", "overlays of the labels and of the segments"),
@@ -345,6 +321,36 @@ ResultPage ObjectsPage() {
              Plain("attempt_NN_scene.glb", "true poses, estimated poses, hand and points"),
              Plain("attempt_NN_pick.{glb,gif}", "with --animate: animation of the pick"),
              Csv(kStagesFile, "one line per stage of an attempt", ReplayColumns())}}}};
+}
+
+ResultPage ModelsPage() {
+  return {
+      "files_models.md",
+      "Files of trained models",
+      {{"pickbed train",
+        "Model file, and a report folder beside it.",
+        {Plain("MODEL.net", "trained model"),
+         Plain("MODEL.net.checkpoint", "state of an interrupted training"),
+         Plain(kIndexPage, "page with curves and pictures"),
+         Csv(kCurvesFile, "one line per measurement of the held-out recall",
+             CurvesColumns({"OBJECT"})),
+         Csv(kTimingsFile, "durations", TrainingTimingsColumns())}},
+       {"pickbed train verifier",
+        "One file.",
+        {Plain("FILE.net", "network for unknown backgrounds that objects share"),
+         Plain("FILE.net.checkpoint", "candidates of an interrupted training")}},
+       {"pickbed train completion",
+        "Model file, and a report folder beside it.",
+        {Plain("MODEL.net", "trained network"),
+         Plain("MODEL.net.checkpoint", "state of an interrupted training"),
+         Plain(fmt::format("{}, completions_SPLIT.png", kIndexPage),
+               "page with curves, and its pictures"),
+         Csv(kCompletionCurvesFile, "one line per measurement and held-out split",
+             CompletionCurvesColumns())}},
+       {"pickbed train grasps",
+        "Model file, and a folder of executed grasps.",
+        {Plain("MODEL.net", "trained network"),
+         Plain("group_NNNN.grasps", "inputs and outcomes of the grasps of one group of bins")}}}};
 }
 
 // The list of files, then a table for each file with columns.
@@ -374,6 +380,7 @@ std::vector<ResultPage> AllResultFiles() {
           BenchmarkPage(),
           CompletionPage(),
           ObjectsPage(),
+          ModelsPage(),
           {"files_datasets.md",
            "Files of datasets and executed results",
            {DatasetFolder(), ExecutionFolder()}}};
