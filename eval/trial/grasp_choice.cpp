@@ -12,9 +12,10 @@
 namespace pickbed::eval {
 namespace {
 
-// So many failed grasps within this distance are taken as failures of one instance.
+// Failed grasps within this distance are taken as failures of one instance, which comes after the
+// others from so many failures on. The place of a hand says less about the instance than a pose.
 constexpr double kSameInstance_m = 0.04;
-constexpr int kFailuresOfInstance = 2;
+constexpr int kFailuresWithPose = 1, kFailuresWithoutPose = 2;
 
 PlanOptions RankedOptions(const TrialSetup& setup, uint64_t rng_seed) {
   PlanOptions plan;
@@ -213,10 +214,11 @@ std::vector<Grasp> GraspMemory::WithoutRepetitions(const std::vector<Grasp>& gra
   };
   std::vector<Grasp> fresh = fresh_of(false);
   if (fresh.empty()) fresh = fresh_of(true);
-  // Without poses, several failures at one place are of one instance. Other grasps may hold it, but
-  // other instances come first.
+  // Another grasp may hold an instance that failed. Other instances come first, because those that
+  // lie on it may be gone afterwards.
   std::stable_partition(fresh.begin(), fresh.end(), [&](const Grasp& grasp) {
-    return grasp.hypothesis != kNoHypothesis || FailuresNear(grasp, poses) < kFailuresOfInstance;
+    return FailuresNear(grasp, poses) <
+           (grasp.hypothesis == kNoHypothesis ? kFailuresWithoutPose : kFailuresWithPose);
   });
   return fresh;
 }

@@ -28,8 +28,8 @@ class GraspMemory {
   // Returns the grasps that do not repeat a failure, in the given order. If all of them repeat one,
   // returns the grasps that repeat only failures from before a later successful pick. A grasp with
   // a pose repeats a failure if the object and its estimated position are the same. A grasp without
-  // a pose repeats it if its own origin in the world is near. Grasps without a pose near two
-  // failures come last, because one instance may have failed twice.
+  // a pose repeats it if its own origin in the world is near. Grasps of an instance that failed
+  // come last: those with a pose near a failure, and those without a pose near two.
   std::vector<Grasp> WithoutRepetitions(const std::vector<Grasp>& grasps,
                                         const std::vector<EstimatedPose>& poses,
                                         const TrialOptions& options) const;

@@ -220,6 +220,28 @@ TEST(PoseFreeTrial, AnInstanceThatFailsTwiceComesAfterOthers) {
   EXPECT_EQ(fresh[2].X_WG.translation().x(), 0.03);
 }
 
+// With poses, one failure is enough. Another instance of the same kind comes first, and so does
+// another kind of object at the same place.
+TEST(PoseFreeTrial, AnInstanceWithAPoseComesAfterOthersOnceItFailed) {
+  const auto at = [](int object, double x_m) {
+    return EstimatedPose{ObjectId{object}, Translation({x_m, 0, 0}), 1};
+  };
+  const std::vector<EstimatedPose> poses{at(0, 0.03), at(0, 0.1), at(1, 0.03)};
+  std::vector<Grasp> planned;
+  for (int hypothesis = 0; hypothesis < 3; ++hypothesis) {
+    planned.push_back(GraspAt(0));
+    planned.back().hypothesis = hypothesis;
+  }
+  GraspMemory memory;
+  const EstimatedPose failed = at(0, 0);
+  memory.Remember(GraspAt(0), &failed, {});
+  const std::vector<Grasp> fresh = memory.WithoutRepetitions(planned, poses, TrialOptions());
+  ASSERT_EQ(fresh.size(), 3u);
+  EXPECT_EQ(fresh[0].hypothesis, 1);
+  EXPECT_EQ(fresh[1].hypothesis, 2);
+  EXPECT_EQ(fresh[2].hypothesis, 0);
+}
+
 // Returns the largest number of failed grasps that were near a later executed one.
 int FailuresBeforeAnother(const TrialResult& result) {
   GraspMemory memory;
