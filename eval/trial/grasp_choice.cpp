@@ -214,8 +214,8 @@ std::vector<Grasp> GraspMemory::WithoutRepetitions(const std::vector<Grasp>& gra
   };
   std::vector<Grasp> fresh = fresh_of(false);
   if (fresh.empty()) fresh = fresh_of(true);
-  // Another grasp may hold an instance that failed. Other instances come first, because those that
-  // lie on it may be gone afterwards.
+  // Another grasp may hold an instance that failed. Other instances come first, because they may
+  // cover it.
   std::stable_partition(fresh.begin(), fresh.end(), [&](const Grasp& grasp) {
     return FailuresNear(grasp, poses) <
            (grasp.hypothesis == kNoHypothesis ? kFailuresWithoutPose : kFailuresWithPose);
