@@ -60,7 +60,8 @@ void WriteUnfinished(const std::filesystem::path& file, const std::string& setti
   WriteFileAtomically(file, stored.Bytes());
 }
 
-Collected ReadUnfinished(const std::filesystem::path& file, const std::string& settings) {
+Collected ReadUnfinished(const std::filesystem::path& file, const std::string& settings,
+                         size_t object_count) {
   Collected collected;
   try {
     const TensorFile stored =
@@ -70,7 +71,9 @@ Collected ReadUnfinished(const std::filesystem::path& file, const std::string& s
     const std::vector<int64_t> objects = stored.Integers("objects"),
                                right = stored.Integers("right");
     const std::vector<float> features = stored.Floats("features");
-    CheckInput(objects.size() == 1 && features.size() == right.size() * kVerifyFeatures,
+    CheckInput(objects.size() == 1 && objects[0] >= 0 &&
+                   objects[0] <= static_cast<int64_t>(object_count) &&
+                   features.size() == right.size() * kVerifyFeatures,
                "it is damaged; train without --resume");
     collected.objects = static_cast<int>(objects[0]);
     collected.examples.right.assign(right.begin(), right.end());
@@ -83,15 +86,6 @@ Collected ReadUnfinished(const std::filesystem::path& file, const std::string& s
     throw InputError(file.string() + ": " + error.what());
   }
   return collected;
-}
-
-void Save(const std::filesystem::path& file, const SharedVerifierJob& job,
-          const std::string& settings, const VerifierNetwork& network) {
-  TensorFile stored(kFileKind, kFileVersion);
-  stored.PutText("sensor", job.sensor_profile);
-  stored.PutText("training", settings);
-  stored.Put("verifier", VerifierValues({Verifier{network, network, {}}}));
-  WriteFileAtomically(file, stored.Bytes());
 }
 
 }  // namespace
@@ -113,7 +107,7 @@ SharedVerifierReport TrainSharedVerifier(const SharedVerifierJob& job,
   const std::string settings = SettingsText(job, given, model.hash);
   const std::filesystem::path unfinished = UnfinishedSharedVerifier(job.file);
   Collected collected;
-  if (job.resume) collected = ReadUnfinished(unfinished, settings);
+  if (job.resume) collected = ReadUnfinished(unfinished, settings, objects.size());
   SharedVerifierReport report;
   const auto summarize = [&] {
     report.objects = collected.objects;
@@ -146,10 +140,19 @@ SharedVerifierReport TrainSharedVerifier(const SharedVerifierJob& job,
     WriteUnfinished(unfinished, settings, collected);
   }
   const TrainedNetwork trained = TrainVerifier(collected.examples, options.verifier, given.seed);
-  Save(job.file, job, settings, trained.network);
+  SaveSharedVerifier(job.file, trained.network, job.sensor_profile, settings);
   std::filesystem::remove(unfinished);
   report.finished = true;
   return summarize();
+}
+
+void SaveSharedVerifier(const std::filesystem::path& file, const VerifierNetwork& network,
+                        const std::string& sensor_profile, const std::string& settings) {
+  TensorFile stored(kFileKind, kFileVersion);
+  stored.PutText("sensor", sensor_profile);
+  stored.PutText("training", settings);
+  stored.Put("verifier", VerifierValues({Verifier{network, network, {}}}));
+  WriteFileAtomically(file, stored.Bytes());
 }
 
 VerifierNetwork LoadSharedVerifier(const std::filesystem::path& file) {

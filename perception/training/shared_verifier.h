@@ -50,6 +50,10 @@ std::filesystem::path UnfinishedSharedVerifier(const std::filesystem::path& file
 SharedVerifierReport TrainSharedVerifier(const SharedVerifierJob& job,
                                          const VerifierTrainingOptions& options);
 
+// Writes the file atomically. `settings`: everything that the training depended on, as text.
+void SaveSharedVerifier(const std::filesystem::path& file, const VerifierNetwork& network,
+                        const std::string& sensor_profile, const std::string& settings);
+
 // Throws InputError naming the file if it is absent, damaged or no shared verifier.
 VerifierNetwork LoadSharedVerifier(const std::filesystem::path& file);
 

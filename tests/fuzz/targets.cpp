@@ -15,6 +15,7 @@
 #include "perception/completion_networks/network_options.h"
 #include "perception/networks/model_file.h"
 #include "perception/networks/verifier_file.h"
+#include "perception/training/shared_verifier.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_check.h"
@@ -234,6 +235,14 @@ Contents SmallCompletionModels() {
   return contents;
 }
 
+Contents SharedVerifiers() {
+  const TemporaryFolder temporary;
+  const fs::path file = temporary.path() / "a.net";
+  SaveSharedVerifier(file, LoadModel(AssetsDir() / "models" / "shipped.net").verifiers[0].unknown,
+                     "kinect_v1", "verifier.hidden 24");
+  return {ReadFileBytes(file)};
+}
+
 template <typename Read>
 FuzzTarget ModelTarget(const std::string& name, Contents (*seeds)(), Read read) {
   const auto run = [read](const fs::path& folder, const std::string& bytes) {
@@ -433,6 +442,8 @@ std::vector<FuzzTarget> MakeTargets() {
       ModelTarget(
           "verifiers", [] { return ModelAsset("ppf.net"); },
           [](const fs::path& file) { LoadVerifiers(file, "ppf"); }),
+      ModelTarget("shared_verifier", SharedVerifiers,
+                  [](const fs::path& file) { LoadSharedVerifier(file); }),
       ModelTarget("completion_model", SmallCompletionModels,
                   [](const fs::path& file) { LoadCompletionModel(file); }),
       ModelTarget(

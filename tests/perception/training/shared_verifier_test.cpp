@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "perception/networks/model_file.h"
+#include "perception/networks/tensor_file.h"
 #include "scenes/base/files.h"
 #include "tests/support/error_of.h"
 #include "tests/support/ray_cast_views.h"
@@ -88,6 +89,25 @@ TEST_F(SharedVerifier, ResumingWithOtherSettingsOrADamagedFileIsRefused) {
   const std::filesystem::path unfinished = UnfinishedSharedVerifier(job.file);
   std::filesystem::resize_file(unfinished, std::filesystem::file_size(unfinished) / 2);
   EXPECT_THAT(ErrorOf([&] { TrainSharedVerifier(job, options_); }), HasSubstr(unfinished.string()));
+}
+
+TEST_F(SharedVerifier, ResumingAfterAnImpossibleNumberOfObjectsIsRefused) {
+  SharedVerifierJob job = Job("a");
+  job.on_progress = [](std::string_view object, double) { return object != "box"; };
+  ASSERT_FALSE(TrainSharedVerifier(job, options_).finished);
+  job.resume = true;
+  const std::filesystem::path unfinished = UnfinishedSharedVerifier(job.file);
+  const std::string kind = "unfinished shared verifier";
+  const TensorFile stored = TensorFile::Parse(ReadFileBytes(unfinished), kind, 1, 1);
+  for (const int64_t objects : {-1, 3}) {
+    TensorFile changed(kind, 1);
+    changed.PutText("settings", stored.Text("settings"));
+    changed.Put("objects", std::vector<int64_t>{objects}, {1});
+    changed.Put("features", stored.Floats("features"), stored.Shape("features"));
+    changed.Put("right", stored.Integers("right"), stored.Shape("right"));
+    WriteFileAtomically(unfinished, changed.Bytes());
+    EXPECT_THAT(ErrorOf([&] { TrainSharedVerifier(job, options_); }), HasSubstr("damaged"));
+  }
 }
 
 TEST_F(SharedVerifier, TrainingOfAModelUsesItAndNoticesAnotherOne) {
