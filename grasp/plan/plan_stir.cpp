@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "grasp/plan/clearance.h"
@@ -54,6 +56,121 @@ double BestOffset_m(const std::vector<Vector3d>& points_W, const Vector2d& direc
   return best_m;
 }
 
+// Orientation of a hand that points down and moves in this direction. The fingers move along their
+// width, so that they do not slide apart.
+Eigen::Matrix3d DownAlong(const Vector2d& direction) {
+  Eigen::Matrix3d R_WG;
+  R_WG.col(1) = Vector3d(direction.x(), direction.y(), 0);
+  R_WG.col(2) = -Vector3d::UnitZ();
+  R_WG.col(0) = R_WG.col(1).cross(R_WG.col(2));
+  return R_WG;
+}
+
+// Largest coordinates of the hand's origin at which it keeps the distance `wall_m` from the walls.
+Vector2d FreeRoom(const Bin& bin, const Gripper& gripper, const Eigen::Matrix3d& R_WG,
+                  double tips_m, double wall_m) {
+  const Vector2d half = HalfSize(gripper, bin.inner_size_m.z() - tips_m);
+  const Vector2d reach = (R_WG.topLeftCorner<2, 2>().cwiseAbs() * half).array() + wall_m;
+  return (0.5 * bin.inner_size_m.head<2>() - reach).cwiseMax(0);
+}
+
+// Height above the tips from which the hand descends: it passes above the rim and all points.
+double Rise_m(const Bin& bin, const std::vector<Vector3d>& points_W, const Gripper& gripper,
+              double tips_m) {
+  double above_m = bin.inner_size_m.z();
+  for (const Vector3d& p_W : points_W) above_m = std::max(above_m, p_W.z());
+  return above_m - tips_m + gripper.clearance_m;
+}
+
+// Share of the floor that has points above it.
+double CoveredShare(const Bin& bin, const std::vector<Vector3d>& points_W, double voxel_m) {
+  std::set<std::pair<long, long>> columns;
+  for (const Vector3d& p_W : points_W) {
+    columns.emplace(std::lround(p_W.x() / voxel_m), std::lround(p_W.y() / voxel_m));
+  }
+  return static_cast<double>(columns.size()) * voxel_m * voxel_m /
+         bin.inner_size_m.head<2>().prod();
+}
+
+// Points on which the fingers can press. Noise of the walls and of the rim is no place for them.
+std::vector<Vector3d> PressablePoints(const Bin& bin, const std::vector<Vector3d>& points_W,
+                                      const Gripper& gripper, const PlanStirOptions& options) {
+  const double side_m = HalfSize(gripper, bin.inner_size_m.z()).maxCoeff() + options.drag_wall_m;
+  const Vector2d free = 0.5 * bin.inner_size_m.head<2>().array() - side_m;
+  std::vector<Vector3d> inside;
+  for (const Vector3d& p_W : points_W) {
+    if ((p_W.head<2>().cwiseAbs().array() <= free.array()).all() &&
+        p_W.z() < bin.inner_size_m.z() - options.depth_m) {
+      inside.push_back(p_W);
+    }
+  }
+  std::vector<Vector3d> supported;
+  for (const Vector3d& p_W : inside) {
+    const auto near = std::count_if(inside.begin(), inside.end(), [&](const Vector3d& other) {
+      return (other - p_W).norm() < options.drag_radius_m;
+    });
+    if (near >= options.drag_points) supported.push_back(p_W);
+  }
+  return supported;
+}
+
+// Places for drags, the nearest to a wall first. They are `apart_m` or more from each other.
+std::vector<Vector3d> PlacesAtWalls(const Bin& bin, std::vector<Vector3d> points_W,
+                                    double apart_m) {
+  const Vector2d room = 0.5 * bin.inner_size_m.head<2>();
+  const auto wall_m = [&](const Vector3d& p_W) {
+    return (room - p_W.head<2>().cwiseAbs()).minCoeff();
+  };
+  std::stable_sort(points_W.begin(), points_W.end(),
+                   [&](const Vector3d& a, const Vector3d& b) { return wall_m(a) < wall_m(b); });
+  std::vector<Vector3d> places;
+  for (const Vector3d& p_W : points_W) {
+    if (std::all_of(places.begin(), places.end(), [&](const Vector3d& other) {
+          return (other - p_W).head<2>().norm() >= apart_m;
+        })) {
+      places.push_back(p_W);
+    }
+  }
+  return places;
+}
+
+// Highest point within `radius_m` of a place.
+Vector3d TopNear(const std::vector<Vector3d>& points_W, const Vector3d& place, double radius_m) {
+  Vector3d top = place;
+  for (const Vector3d& p_W : points_W) {
+    if (p_W.z() > top.z() && (p_W - place).head<2>().norm() < radius_m) top = p_W;
+  }
+  return top;
+}
+
+// Direction away from the walls within `near_m` of a place; towards the center if there is none.
+Vector2d Inward(const Bin& bin, const Vector3d& place, double near_m) {
+  Vector2d inward = Vector2d::Zero();
+  for (int axis = 0; axis < 2; ++axis) {
+    const double wall_m = 0.5 * bin.inner_size_m[axis] - std::abs(place[axis]);
+    if (wall_m < near_m) inward[axis] = place[axis] > 0 ? -1 : 1;
+  }
+  if (inward.isZero()) inward = -place.head<2>();
+  return inward.norm() > 1e-6 ? Vector2d(inward.normalized()) : Vector2d(1, 0);
+}
+
+// Path that presses on a point near a wall and drags what is below it inward.
+StirPath PlanDrag(const Bin& bin, const std::vector<Vector3d>& points_W,
+                  const std::vector<Vector3d>& pressable_W, const Gripper& gripper, int number,
+                  const PlanStirOptions& options) {
+  const std::vector<Vector3d> places = PlacesAtWalls(bin, pressable_W, options.drag_apart_m);
+  const Vector3d top = TopNear(pressable_W, places[number % places.size()], options.drag_radius_m);
+  const Vector2d inward = Inward(bin, top, options.drag_near_m);
+  const Eigen::Matrix3d R_WG = DownAlong(inward);
+  const double tips_m = std::max(options.floor_m, top.z() - options.press_m);
+  const Vector2d free = FreeRoom(bin, gripper, R_WG, tips_m, options.drag_wall_m);
+  const auto inside = [&](const Vector2d& p) { return Vector2d(p.cwiseMax(-free).cwiseMin(free)); };
+  const Vector2d from = inside(top.head<2>());
+  const Vector2d to = inside(from + options.drag_m * inward);
+  return {MakePose(R_WG, {from.x(), from.y(), tips_m}), MakePose(R_WG, {to.x(), to.y(), tips_m}),
+          Rise_m(bin, points_W, gripper, tips_m)};
+}
+
 }  // namespace
 
 void PlanStirOptions::Visit(SettingsVisitor& v) {
@@ -63,6 +180,18 @@ void PlanStirOptions::Visit(SettingsVisitor& v) {
   v.Real("voxel_m", voxel_m, {0.0005, 0.1}, "voxel size to which the cloud is thinned, m");
   v.Real("bin_band_m", bin_band_m, {0, 0.1},
          "cloud points closer than this to floor and walls belong to the bin, m");
+  v.Real("drag_share", drag_share, {0, 1},
+         "covered share of the floor below which the hand drags instances away from the walls");
+  v.Real("drag_m", drag_m, {0, 10}, "length of the drag, m");
+  v.Real("press_m", press_m, {0, 0.1}, "depth of the tips below the dragged point, m");
+  v.Real("drag_wall_m", drag_wall_m, {0, 1}, "distance between the dragging hand and the walls, m");
+  v.Real("drag_near_m", drag_near_m, {0, 10},
+         "distance within which a drag is away from a wall, m");
+  v.Real("drag_radius_m", drag_radius_m, {0, 1},
+         "distance from a place within which the hand presses on the highest point, m");
+  v.Integer("drag_points", drag_points, {1, 1000000},
+            "number of points within this distance of a point on which the hand can press");
+  v.Real("drag_apart_m", drag_apart_m, {0.001, 1}, "distance between places of two drags, m");
 }
 
 StirPath PlanStir(const Bin& bin, std::span<const Vector3d> cloud_W, const Gripper& gripper,
@@ -71,6 +200,12 @@ StirPath PlanStir(const Bin& bin, std::span<const Vector3d> cloud_W, const Gripp
   constexpr double kHeap_m = 0.3;  // a heap above the rim is no higher
   const std::vector<Vector3d> points_W =
       ThinnedCloud(cloud_W, bin, options.voxel_m, options.bin_band_m, kHeap_m);
+  if (CoveredShare(bin, points_W, options.voxel_m) < options.drag_share) {
+    const std::vector<Vector3d> pressable_W = PressablePoints(bin, points_W, gripper, options);
+    if (!pressable_W.empty()) {
+      return PlanDrag(bin, points_W, pressable_W, gripper, number, options);
+    }
+  }
   const Vector2d room = 0.5 * bin.inner_size_m.head<2>();
   const bool along_x = room.x() >= room.y();
   const Vector2d length = along_x ? Vector2d(room.x(), 0) : Vector2d(0, room.y());
@@ -78,15 +213,10 @@ StirPath PlanStir(const Bin& bin, std::span<const Vector3d> cloud_W, const Gripp
   const std::array<Vector2d, 4> ways{length, width, length + width, length - width};
   const Vector2d way = ways[number % 4] * ((number / 4) % 2 == 0 ? 1 : -1);
   const Vector2d direction = way.normalized();
-  // The fingers move along their width, so that they do not slide apart.
-  Eigen::Matrix3d R_WG;
-  R_WG.col(1) = Vector3d(direction.x(), direction.y(), 0);
-  R_WG.col(2) = -Vector3d::UnitZ();
-  R_WG.col(0) = R_WG.col(1).cross(R_WG.col(2));
+  const Eigen::Matrix3d R_WG = DownAlong(direction);
   const double tips_m = std::max(options.floor_m, Surface_m(points_W) - options.depth_m);
   const Vector2d half = HalfSize(gripper, bin.inner_size_m.z() - tips_m);
-  const Vector2d reach = (R_WG.topLeftCorner<2, 2>().cwiseAbs() * half).array() + options.wall_m;
-  const Vector2d free = (room - reach).cwiseMax(0);  // of the origin of the hand
+  const Vector2d free = FreeRoom(bin, gripper, R_WG, tips_m, options.wall_m);
   // Share of the way that the hand may go from the center before it meets a wall.
   double share = 1;
   for (int axis = 0; axis < 2; ++axis) {
@@ -97,10 +227,8 @@ StirPath PlanStir(const Bin& bin, std::span<const Vector3d> cloud_W, const Gripp
   const Vector2d left(-direction.y(), direction.x());
   const Vector2d beside = BestOffset_m(points_W, direction, half.x(), max_m) * left;
   const Vector2d from = beside - share * way, to = beside + share * way;
-  double above_m = bin.inner_size_m.z();
-  for (const Vector3d& p_W : points_W) above_m = std::max(above_m, p_W.z());
   return {MakePose(R_WG, {from.x(), from.y(), tips_m}), MakePose(R_WG, {to.x(), to.y(), tips_m}),
-          above_m - tips_m + gripper.clearance_m};
+          Rise_m(bin, points_W, gripper, tips_m)};
 }
 
 }  // namespace pickbed::grasp

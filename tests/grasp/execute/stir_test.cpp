@@ -4,6 +4,7 @@
 
 #include "grasp/candidates/antipodal.h"
 #include "grasp/plan/plan.h"
+#include "grasp/plan/plan_stir.h"
 #include "tests/grasp/grasp_scenes.h"
 
 namespace pickbed::tests {
@@ -53,6 +54,27 @@ TEST_F(Stir, TightBlockBecomesGraspable) {
   // other places, this happened to 3 of 369 cubes.
   EXPECT_GE(stirred.after.objects.size(), 8u);
   EXPECT_TRUE(graspable(stirred.after));
+}
+
+// A cube that touches a wall or two. The planned drag moves it to where a finger fits beside it.
+TEST_F(Stir, DragFreesACubeAtAWall) {
+  gripper_.hand.finger_size_m.z() = 0.2;  // the palm stays above the walls
+  const double side = 0.5 * kCube_m + 0.0005;
+  for (const Eigen::Vector2d& place :
+       {Eigen::Vector2d(0.2 - side, 0.03), Eigen::Vector2d(side - 0.2, 0.15 - side)}) {
+    const Scene scene = BoxesOnFloor({place}, kCube_m);
+    std::vector<Vector3d> top_W;
+    for (int i = 0; i < 225; ++i) {
+      const Eigen::Vector2d offset = 0.002 * Eigen::Vector2d(i / 15 - 7, i % 15 - 7);
+      top_W.emplace_back(place.x() + offset.x(), place.y() + offset.y(), kCube_m);
+    }
+    const StirPath path = PlanStir(scene.bin, top_W, gripper_, 0);
+    const Scene after = StirBin(scene, cubes_, gripper_, path).after;
+    ASSERT_EQ(after.objects.size(), 1u);
+    const Vector3d center = after.objects[0].X_WO.translation();
+    EXPECT_LT(std::abs(center.x()), 0.2 - side - 0.03);
+    EXPECT_LT(std::abs(center.y()), 0.15 - side - 0.03);
+  }
 }
 
 TEST_F(Stir, EqualInputsGiveEqualBytes) {

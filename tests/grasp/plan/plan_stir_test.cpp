@@ -12,6 +12,12 @@ using Eigen::Vector3d;
 
 constexpr double kHeight_m = 0.06;
 
+ParallelJaw LongJaw() {
+  ParallelJaw jaw = SmallJaw();
+  jaw.hand.finger_size_m.z() = 0.2;
+  return jaw;
+}
+
 class PlanStirTest : public testing::Test {
  protected:
   // Adds the points of a block of 40 x 40 mm on the floor.
@@ -31,11 +37,14 @@ class PlanStirTest : public testing::Test {
     }
   }
 
-  StirPath Path(int number) const { return PlanStir(bin_, cloud_W_, gripper_, number); }
+  StirPath Path(int number) const { return PlanStir(bin_, cloud_W_, gripper_, number, sweeps_); }
+  // With fingers that are longer than the bin is deep, so that the palm stays above the walls.
+  StirPath Drag(int number) const { return PlanStir(bin_, cloud_W_, LongJaw(), number); }
 
   Bin bin_;
   ParallelJaw gripper_ = SmallJaw();
   std::vector<Vector3d> cloud_W_;
+  const PlanStirOptions sweeps_{.drag_share = 0};
 };
 
 // Paths alternate; each stays off the walls and the floor, and meets the only instance.
@@ -78,6 +87,66 @@ TEST_F(PlanStirTest, SingleHighInstanceDoesNotRaiseThePath) {
 
 TEST_F(PlanStirTest, EmptyCloudGivesAPathAboveTheFloor) {
   EXPECT_EQ(Path(0).X_WG_from.translation().z(), PlanStirOptions().floor_m);
+}
+
+// The tips press on the top of the instance, as near to the wall as they can, and move away from
+// it.
+TEST_F(PlanStirTest, LastInstanceAtAWallIsDraggedAwayFromIt) {
+  AddBin();
+  AddBlock(0.175, 0.02);
+  const StirPath path = Drag(0);
+  const Vector3d from = path.X_WG_from.translation(), to = path.X_WG_to.translation();
+  EXPECT_NEAR(from.z(), kHeight_m - PlanStirOptions().press_m, 1e-9);
+  EXPECT_NEAR(from.x(), 0.175, 0.02);
+  EXPECT_NEAR(from.y(), 0.02, 0.021);
+  EXPECT_NEAR(to.x() - from.x(), -PlanStirOptions().drag_m, 1e-9);
+  EXPECT_EQ(to.y(), from.y());
+  EXPECT_EQ(to.z(), from.z());
+  EXPECT_GE(from.z() + path.rise_m, bin_.inner_size_m.z());
+  EXPECT_FALSE(FindBinContact(LongJaw().Boxes(0), path.X_WG_from, BinBoxes(bin_), 0.002));
+  const StirPath short_fingers = PlanStir(bin_, cloud_W_, gripper_, 0);
+  EXPECT_TRUE(short_fingers.X_WG_from.isApprox(Path(0).X_WG_from)) << "the palm meets the wall";
+}
+
+TEST_F(PlanStirTest, LastInstanceInACornerIsDraggedAwayFromBothWalls) {
+  AddBlock(-0.17, 0.12);
+  const Vector3d way = Drag(0).X_WG_to.translation() - Drag(0).X_WG_from.translation();
+  EXPECT_GT(way.x(), 0.05);
+  EXPECT_NEAR(way.y(), -way.x(), 1e-9);
+}
+
+TEST_F(PlanStirTest, NextDragsReachTheOtherInstance) {
+  AddBlock(0.17, 0);
+  AddBlock(-0.16, 0);
+  EXPECT_GT(Drag(0).X_WG_from.translation().x(), 0.1) << "it is nearer to its wall";
+  EXPECT_FALSE(Drag(1).X_WG_from.isApprox(Drag(0).X_WG_from));
+  int other = 0;
+  for (int number = 0; number < 4; ++number) {
+    other += Drag(number).X_WG_from.translation().x() < -0.1;
+  }
+  EXPECT_GT(other, 0);
+  EXPECT_LT(other, 4);
+}
+
+// Readings at the rim and single ones nearer to a wall are noise.
+TEST_F(PlanStirTest, NoiseIsNotDragged) {
+  AddBlock(0.1, 0);
+  const StirPath without = Drag(0);
+  for (double y_m = -0.1; y_m <= 0.1; y_m += 0.002) {
+    for (const double z_m : {0.14, 0.145, 0.15, 0.16}) cloud_W_.emplace_back(-0.18, y_m, z_m);
+  }
+  cloud_W_.emplace_back(0, 0.12, 0.03);
+  EXPECT_TRUE(Drag(0).X_WG_from.isApprox(without.X_WG_from));
+  EXPECT_TRUE(Drag(0).X_WG_to.isApprox(without.X_WG_to));
+}
+
+// Many instances are swept, because a path through the middle meets them.
+TEST_F(PlanStirTest, ManyInstancesAreSwept) {
+  for (const double x_m : {-0.15, -0.05, 0.05, 0.15}) {
+    for (const double y_m : {-0.1, -0.03, 0.04, 0.11}) AddBlock(x_m, y_m);
+  }
+  const StirPath path = PlanStir(bin_, cloud_W_, LongJaw(), 0, sweeps_);
+  EXPECT_TRUE(Drag(0).X_WG_from.isApprox(path.X_WG_from));
 }
 
 }  // namespace
