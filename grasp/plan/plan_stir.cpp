@@ -92,10 +92,13 @@ double CoveredShare(const Bin& bin, const std::vector<Vector3d>& points_W, doubl
          bin.inner_size_m.head<2>().prod();
 }
 
-// Points on which the fingers can press. Noise of the walls and of the rim is no place for them.
+// Points on which the fingers can press. Noise of the walls and of the rim is no place for them. A
+// hand that cannot come near the walls would press on the inner side of an instance, and push it to
+// the wall, so there are no such points.
 std::vector<Vector3d> PressablePoints(const Bin& bin, const std::vector<Vector3d>& points_W,
                                       const Gripper& gripper, const PlanStirOptions& options) {
   const double side_m = HalfSize(gripper, bin.inner_size_m.z()).maxCoeff() + options.drag_wall_m;
+  if (side_m > options.drag_side_m) return {};
   const Vector2d free = 0.5 * bin.inner_size_m.head<2>().array() - side_m;
   std::vector<Vector3d> inside;
   for (const Vector3d& p_W : points_W) {
@@ -185,6 +188,8 @@ void PlanStirOptions::Visit(SettingsVisitor& v) {
   v.Real("drag_m", drag_m, {0, 10}, "length of the drag, m");
   v.Real("press_m", press_m, {0, 0.1}, "depth of the tips below the dragged point, m");
   v.Real("drag_wall_m", drag_wall_m, {0, 1}, "distance between the dragging hand and the walls, m");
+  v.Real("drag_side_m", drag_side_m, {0, 1},
+         "distance between walls and the axis of the hand within which it must come to drag, m");
   v.Real("drag_near_m", drag_near_m, {0, 10},
          "distance within which a drag is away from a wall, m");
   v.Real("drag_radius_m", drag_radius_m, {0, 1},

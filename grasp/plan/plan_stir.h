@@ -24,6 +24,7 @@ struct PlanStirOptions {
   double drag_m = 0.12;          // length of a drag
   double press_m = 0.004;        // of the tips into the point; the fingers yield at their limit
   double drag_wall_m = 0.003;    // between the dragging hand and the walls
+  double drag_side_m = 0.025;    // a hand whose axis stays farther from the walls does not drag
   double drag_near_m = 0.06;     // a drag is away from the walls within this distance
   double drag_radius_m = 0.015;  // the highest point within this distance of a place is pressed
   int drag_points = 5;           // within this radius of a point that is pressed; fewer are noise
@@ -37,9 +38,9 @@ struct PlanStirOptions {
 // - number: of the stir in its trial. Directions alternate between the length and the width of the
 //   bin, where the path meets the largest number of points, and its diagonals. Then the same
 //   follows with the opposite senses.
-// If little of the floor is covered, the fingers press on a point near a wall instead, and drag
-// what is below it inward. The next numbers use other points, ordered by their distance from a
-// wall. Throws InputError for options out of range.
+// If little of the floor is covered, and the palm passes above the walls, the fingers press on a
+// point near a wall instead, and drag what is below it inward. The next numbers use other points,
+// ordered by their distance from a wall. Throws InputError for options out of range.
 StirPath PlanStir(const Bin& bin, std::span<const Eigen::Vector3d> cloud_W, const Gripper& gripper,
                   int number, const PlanStirOptions& options = {});
 

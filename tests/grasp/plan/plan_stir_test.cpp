@@ -104,8 +104,16 @@ TEST_F(PlanStirTest, LastInstanceAtAWallIsDraggedAwayFromIt) {
   EXPECT_EQ(to.z(), from.z());
   EXPECT_GE(from.z() + path.rise_m, bin_.inner_size_m.z());
   EXPECT_FALSE(FindBinContact(LongJaw().Boxes(0), path.X_WG_from, BinBoxes(bin_), 0.002));
-  const StirPath short_fingers = PlanStir(bin_, cloud_W_, gripper_, 0);
-  EXPECT_TRUE(short_fingers.X_WG_from.isApprox(Path(0).X_WG_from)) << "the palm meets the wall";
+}
+
+// The palm of a hand with short fingers meets the walls. It would press on the inner side of an
+// instance at a wall.
+TEST_F(PlanStirTest, HandWithShortFingersDoesNotDrag) {
+  for (const double x_m : {0.1, 0.13, 0.175}) {
+    cloud_W_.clear();
+    AddBlock(x_m, 0.02);
+    EXPECT_TRUE(PlanStir(bin_, cloud_W_, gripper_, 0).X_WG_from.isApprox(Path(0).X_WG_from)) << x_m;
+  }
 }
 
 TEST_F(PlanStirTest, LastInstanceInACornerIsDraggedAwayFromBothWalls) {
