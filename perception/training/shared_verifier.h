@@ -5,8 +5,8 @@
 // for every object. A dozen rooms show an object in about a hundred right poses, too few for a
 // network of its own. On candidates of mode fast in other rooms, the log loss of the twelve shipped
 // objects was 753 with one network each, 602 with a shared one, and 685 with one that had not seen
-// the object. `pickbed benchmark rooms` does not confirm this: the scores are better calibrated, but
-// more poses are wrong. So the shipped model does not use it.
+// the object. `pickbed benchmark rooms` does not confirm this: the scores are better calibrated,
+// but more poses are wrong. So the shipped model does not use it.
 
 #include <filesystem>
 #include <functional>
