@@ -4,8 +4,8 @@
 // use this as a last resort to free instances that lean on each other or rest at a wall.
 //
 //     |    +--+ from             |     The hand points straight down. It descends at one end of its
-//     |    |  |  ------>    to   |     path, moves along the path, and rises. The path ends near
-//     |..../\.v.....>.......^....|     the walls. grasp/plan/plan_stir.h plans it.
+//     |    |  |  ------>    to   |     path, moves along the path, and rises. A sweep ends near
+//     |..../\.v.....>.......^....|     the walls, a drag inside. grasp/plan/plan_stir.h plans both.
 //     |___/__\___________________|
 
 #include "grasp/execute/execute.h"

@@ -195,7 +195,7 @@ void PlanStirOptions::Visit(SettingsVisitor& v) {
   v.Real("drag_radius_m", drag_radius_m, {0, 1},
          "distance from a place within which the hand presses on the highest point, m");
   v.Integer("drag_points", drag_points, {1, 1000000},
-            "number of points within this distance of a point on which the hand can press");
+            "number of points within drag_radius_m of a point on which the hand can press");
   v.Real("drag_apart_m", drag_apart_m, {0.001, 1}, "distance between places of two drags, m");
 }
 
