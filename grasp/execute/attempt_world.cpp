@@ -106,7 +106,8 @@ int AttemptWorld::ReferenceInstance(const Vector3d& grasp_W, InstanceId instance
 void AttemptWorld::Step() {
   physics_.Step();
   for (int i = 0; i < instance_count(); ++i) {
-    if (is_lost_[i] || physics_.X_WO(i).translation().z() > -lost_below_m_) continue;
+    if (is_static_[i] || is_lost_[i] || physics_.X_WO(i).translation().z() > -lost_below_m_)
+      continue;
     physics_.RemoveInstance(i);
     is_lost_[i] = true;
   }

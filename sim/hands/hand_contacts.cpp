@@ -10,12 +10,16 @@ std::vector<BodyContacts> ContactsOf(const btCollisionObject& body, btCollisionW
   std::vector<BodyContacts> contacts;
   btManifoldArray manifolds;
   btOverlappingPairCache& pairs = *world.getPairCache();
-  for (int i = 0; i < pairs.getNumOverlappingPairs(); ++i) {
-    const btBroadphasePair& pair = pairs.getOverlappingPairArrayPtr()[i];
-    const auto* first = static_cast<const btCollisionObject*>(pair.m_pProxy0->m_clientObject);
-    const auto* second = static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject);
-    if ((first != &body && second != &body) || pair.m_algorithm == nullptr) continue;
-    const btCollisionObject* other = first == &body ? second : first;
+  const int count = pairs.getNumOverlappingPairs();
+  const btBroadphasePair* const all = pairs.getOverlappingPairArrayPtr();
+  const btBroadphaseProxy* const proxy = body.getBroadphaseHandle();
+  for (int i = 0; i < count; ++i) {
+    const btBroadphasePair& pair = all[i];
+    if ((pair.m_pProxy0 != proxy && pair.m_pProxy1 != proxy) || pair.m_algorithm == nullptr) {
+      continue;
+    }
+    const btBroadphaseProxy& its = pair.m_pProxy0 == proxy ? *pair.m_pProxy1 : *pair.m_pProxy0;
+    const auto* other = static_cast<const btCollisionObject*>(its.m_clientObject);
     manifolds.resize(0);
     pair.m_algorithm->getAllContactManifolds(manifolds);
     for (int m = 0; m < manifolds.size(); ++m) {

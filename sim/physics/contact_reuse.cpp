@@ -22,6 +22,37 @@ void ReusingDispatcher::ForgetContacts() {
   for (int i = 0; i < getNumManifolds(); ++i) getManifoldByIndexInternal(i)->clearManifold();
 }
 
+btPersistentManifold* ReusingDispatcher::getNewManifold(const btCollisionObject* first,
+                                                        const btCollisionObject* second) {
+  btPersistentManifold* manifold = btCollisionDispatcher::getNewManifold(first, second);
+  if (manifold != nullptr) bodies_.emplace_back(first, second);
+  return manifold;
+}
+
+// As in the base class, the last manifold takes the place of the released one.
+void ReusingDispatcher::releaseManifold(btPersistentManifold* manifold) {
+  bodies_.at(manifold->m_index1a) = bodies_.back();
+  bodies_.pop_back();
+  btCollisionDispatcher::releaseManifold(manifold);
+}
+
+int ReusingDispatcher::getNumManifolds() const {
+  if (!only_awake_) return btCollisionDispatcher::getNumManifolds();
+  awake_.clear();
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    if (bodies_[i].first->getActivationState() == ISLAND_SLEEPING &&
+        bodies_[i].second->getActivationState() == ISLAND_SLEEPING) {
+      continue;
+    }
+    awake_.push_back(static_cast<int>(i));
+  }
+  return static_cast<int>(awake_.size());
+}
+
+btPersistentManifold* ReusingDispatcher::getManifoldByIndexInternal(int index) {
+  return m_manifoldsPtr[only_awake_ ? awake_[index] : index];
+}
+
 bool ReusingDispatcher::HasMoved(const btCollisionObject& body) const {
   if (body.isStaticObject()) return false;
   return moved.at(body.getUserIndex());
@@ -45,12 +76,13 @@ void ReusingDispatcher::CheckIfMoved(btBroadphasePair& pair, btCollisionDispatch
   auto& self = static_cast<ReusingDispatcher&>(dispatcher);
   const auto* first = static_cast<btCollisionObject*>(pair.m_pProxy0->m_clientObject);
   const auto* second = static_cast<btCollisionObject*>(pair.m_pProxy1->m_clientObject);
+  if (!first->isActive() && !second->isActive()) return;
   // A pair without an algorithm is new: its bounding boxes have just met.
   if (self.MustCheck(*first, *second) || pair.m_algorithm == nullptr) {
     defaultNearCallback(pair, dispatcher, info);
     return;
   }
-  if (!self.needsCollision(first, second)) return;  // both asleep
+  if (!self.needsCollision(first, second)) return;
   self.manifolds_.resize(0);
   pair.m_algorithm->getAllContactManifolds(self.manifolds_);
   for (int i = 0; i < self.manifolds_.size(); ++i) {

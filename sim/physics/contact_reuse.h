@@ -13,6 +13,10 @@
 //
 // The same rule holds for a hand's body and an instance that have not moved relative to each other.
 // So contacts are searched while an instance is grasped, but not while it is carried.
+//
+// Bullet visits all manifolds (the contacts of two convex pieces) in each step to find those of
+// awake bodies. Around a grasp nearly all are of sleeping ones. The dispatcher therefore keeps the
+// bodies of all manifolds in one small array, and shows only the manifolds of awake bodies.
 
 #include <btBulletDynamicsCommon.h>
 
@@ -42,6 +46,16 @@ class ReusingDispatcher : public btCollisionDispatcher {
   // true for all bodies.
   void ForgetContacts();
 
+  // While it is true, the manifolds of this dispatcher are only those with an awake body.
+  void ShowOnlyAwake(bool only_awake) { only_awake_ = only_awake; }
+
+  btPersistentManifold* getNewManifold(const btCollisionObject* first,
+                                       const btCollisionObject* second) override;
+  void releaseManifold(btPersistentManifold* manifold) override;
+  // Bullet asks for the number before it visits the manifolds, so this finds the awake ones.
+  int getNumManifolds() const override;
+  btPersistentManifold* getManifoldByIndexInternal(int index) override;
+
   // Whether a body has moved since the last step in which its entry was true. Indexed by body user
   // index; set before each step. Moving bodies without an index are a hand's.
   std::vector<bool> moved;
@@ -57,6 +71,10 @@ class ReusingDispatcher : public btCollisionDispatcher {
   // Pose of the second body in the frame of the first at their last contact search.
   std::map<std::pair<const btCollisionObject*, const btCollisionObject*>, btTransform> checked_;
   btManifoldArray manifolds_;  // of one pair; a member to reuse its memory
+  // Bodies of m_manifoldsPtr, by the same index.
+  std::vector<std::pair<const btCollisionObject*, const btCollisionObject*>> bodies_;
+  bool only_awake_ = false;
+  mutable std::vector<int> awake_;  // indices into m_manifoldsPtr
 };
 
 }  // namespace pickbed::sim

@@ -47,6 +47,23 @@ struct InstanceState {
   }
 };
 
+// Solver of a world with many sleeping bodies.
+class AwakeSolver : public PatchFrictionSolver {
+ public:
+  AwakeSolver(const PadOptions& options, ReusingDispatcher& dispatcher)
+      : PatchFrictionSolver(options), dispatcher_(dispatcher) {}
+
+ protected:
+  // Bullet visits the manifolds between these two calls.
+  void prepareSolve(int, int) override { dispatcher_.ShowOnlyAwake(true); }
+  void allSolved(const btContactSolverInfo&, btIDebugDraw*) override {
+    dispatcher_.ShowOnlyAwake(false);
+  }
+
+ private:
+  ReusingDispatcher& dispatcher_;
+};
+
 }  // namespace
 
 struct PhysicsWorld::Impl {
@@ -66,7 +83,7 @@ struct PhysicsWorld::Impl {
   WarmContactConfiguration configuration;
   ReusingDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
-  PatchFrictionSolver solver{options.pad};
+  AwakeSolver solver{options.pad, dispatcher};
   ContactIslandWorld world{dispatcher, broadphase, solver, configuration, options.wake_by_contact};
   std::vector<std::unique_ptr<btCollisionShape>> shapes;
   BodyShapes body_shapes{options.hull_margin_m};
