@@ -14,7 +14,7 @@
 // The same rule holds for a hand's body and an instance that have not moved relative to each other.
 // So contacts are searched while an instance is grasped, but not while it is carried.
 //
-// Bullet visits all manifolds (the contacts of two convex pieces) in each step to find those of
+// Bullet visits all manifolds (the contacts of two convex pieces) in each step, to find the ones of
 // awake bodies. Around a grasp nearly all are of sleeping ones. The dispatcher therefore keeps the
 // bodies of all manifolds in one small array, and shows only the manifolds of awake bodies.
 
