@@ -46,13 +46,12 @@ class Observers : public TrialObserver {
   PickAnimation* animation_;
 };
 
-// Throws InputError if no pick of the trial can be animated.
-void RequirePicks(const RecordedTrial& recorded, const std::string& address, int attempt) {
+// Throws InputError if the hand did not move in the trial or in this attempt.
+void RequireMotion(const RecordedTrial& recorded, const std::string& address, int attempt) {
   CheckInput(!recorded.crashed,
              fmt::format("{}: the trial crashed, so there is no pick to animate", address));
   const auto& attempts = recorded.result.attempts;
-  const auto is_pick = [](const AttemptRecord& record) { return record.grasp.has_value(); };
-  CheckInput(std::any_of(attempts.begin(), attempts.end(), is_pick),
+  CheckInput(std::any_of(attempts.begin(), attempts.end(), UsedHand),
              fmt::format("{}: no attempt of the trial executed a grasp, so there is no pick to "
                          "animate; choose another trial",
                          address));
@@ -60,7 +59,7 @@ void RequirePicks(const RecordedTrial& recorded, const std::string& address, int
   CheckInput(static_cast<size_t>(attempt) < attempts.size(),
              fmt::format("{}: --attempt {}: the trial has attempts 0 to {}", address, attempt,
                          attempts.size() - 1));
-  CheckInput(is_pick(attempts[attempt]),
+  CheckInput(UsedHand(attempts[attempt]),
              fmt::format("{}: --attempt {} executed no grasp; choose another of the {} attempts",
                          address, attempt, attempts.size()));
 }
@@ -83,8 +82,8 @@ int ReplayCommand(int argc, char** argv) {
   bool animate = false;
   int only_attempt = -1;
   app.add_flag("--animate", animate,
-               "also write an animation of each pick: attempt_NN_pick.glb for 3D viewers and "
-               "attempt_NN_pick.gif");
+               "also write an animation of each pick and stir: attempt_NN_pick.glb for 3D viewers "
+               "and attempt_NN_pick.gif");
   app.add_option("--attempt", only_attempt, "number of the only attempt to animate, from 0 [all]")
       ->check(CLI::NonNegativeNumber)
       ->needs("--animate");
@@ -111,7 +110,7 @@ int ReplayCommand(int argc, char** argv) {
   const RecordedTrial recorded = ReadRecordedTrial(address, catalog);
   RequireProgramsAllowed(recorded.spec, address, programs);
   SayWhatChanged(recorded);
-  if (animate) RequirePicks(recorded, address_text, only_attempt);
+  if (animate) RequireMotion(recorded, address_text, only_attempt);
   const std::filesystem::path folder =
       out.empty() ? address.run / kReplayFolder / fmt::format("trial_{:04}", address.trial)
                   : std::filesystem::path(out);
@@ -127,7 +126,10 @@ int ReplayCommand(int argc, char** argv) {
   }
   WriteFileAtomically(folder / kStagesFile, ReplayCsv(report));
   fmt::print("{}stages in {}\n", ReplayTable(report, verbose), folder.string());
-  if (animate) fmt::print("{} animated picks in {}\n", animation.written(), folder.string());
+  if (animate) {
+    fmt::print("{} animation{} in {}\n", animation.written(), animation.written() == 1 ? "" : "s",
+               folder.string());
+  }
   return report.FirstDifference() == nullptr ? 0 : kDiffers;
 }
 

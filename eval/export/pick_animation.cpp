@@ -208,7 +208,7 @@ PickAnimation::~PickAnimation() = default;
 void PickAnimation::OnStage(TrialStage stage, const AttemptState& attempt) {
   const int number = attempt.record.attempt;
   if (stage == TrialStage::kGrasp) {
-    wanted_ = attempt.record.grasp && (only_ < 0 || only_ == number);
+    wanted_ = only_ < 0 || only_ == number;
     motion_ = {attempt.scene, {}, kFrame_s, std::nullopt};
   }
   if (stage != TrialStage::kOutcome || !wanted_ || motion_.frames.empty()) return;

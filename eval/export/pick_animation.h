@@ -1,6 +1,6 @@
 #pragma once
 
-// Animations of executed grasps: a GLB file for 3D viewers and a GIF picture of each pick.
+// Animations of executed grasps and stirs: a GLB file for 3D viewers and a GIF picture of each.
 
 #include <filesystem>
 #include <memory>
@@ -21,9 +21,9 @@ struct MotionFrame {
   double opening_m = 0;
 };
 
-// The motion of one pick.
+// The motion of one pick or stir.
 struct PickMotion {
-  Scene scene;  // before the pick
+  Scene scene;  // before the motion
   std::vector<MotionFrame> frames;
   double frame_s = 0;                     // time between frames
   std::optional<AxisAlignedBox> table_W;  // on which the object was set down; none without a carry
@@ -64,17 +64,17 @@ class PickMovie {
 // Returns the file name of an attempt's animation: attempt_NN_pick.glb.
 std::string PickAnimationName(int attempt);
 
-// Records the picks of a trial and writes attempt_NN_pick.glb for each, and attempt_NN_pick.gif on
-// request. A GIF takes seconds, because each of its pictures is rendered.
+// Records the picks and stirs of a trial and writes attempt_NN_pick.glb for each, and
+// attempt_NN_pick.gif on request. A GIF takes seconds, because each of its pictures is rendered.
 class PickAnimation : public TrialObserver {
  public:
-  // `attempt`: number of the only attempt to write, -1 = all with a grasp.
+  // `attempt`: number of the only attempt to write, -1 = all in which the hand moved.
   PickAnimation(const std::filesystem::path& folder, bool with_gif, int attempt = -1);
   ~PickAnimation() override;
 
   void OnStage(TrialStage stage, const AttemptState& attempt) override;
   MotionListener ListenToMotion() override;
-  int written() const { return written_; }  // number of picks
+  int written() const { return written_; }  // number of animations
 
  private:
   std::filesystem::path folder_;

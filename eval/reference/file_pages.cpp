@@ -82,7 +82,7 @@ ResultPage RunPage() {
                "effective settings of each configuration of a sweep"),
          Plain(fmt::format("{}/trial_NNNN/*", kPicturesFolder),
                "pictures of attempts: color, depth, overlay of the poses, after the pick, failed; "
-               "animation of the pick"),
+               "animation of the pick or stir"),
          Plain(fmt::format("{}/{}", kPicturesFolder, kOcclusionSheet),
                "one target in all bands, of occlusion trials"),
          Plain(fmt::format("{}/{}", kPicturesFolder, kHiddenShareSheet),
@@ -319,7 +319,7 @@ ResultPage ObjectsPage() {
              Plain("attempt_NN_cloud.ply", "observed points in the world frame"),
              Plain("attempt_NN_hypotheses.ply", "surface points of the estimated poses"),
              Plain("attempt_NN_scene.glb", "true poses, estimated poses, hand and points"),
-             Plain("attempt_NN_pick.{glb,gif}", "with --animate: animation of the pick"),
+             Plain("attempt_NN_pick.{glb,gif}", "with --animate: animation of the pick or stir"),
              Csv(kStagesFile, "one line per stage of an attempt", ReplayColumns())}}}};
 }
 

@@ -117,7 +117,10 @@ Scene Stir(const TrialSetup& setup, const AttemptTask& task, LiveTrial& trial,
   const StageTimer timer(trial.seconds, "execute");
   const Gripper& tool = *setup.tools.front();
   const StirPath path = ChooseStir(setup.cell.bin(), tool, trial.image->view, task.stir);
-  ExecuteResult stirred = StirBin(trial.scene, trial.objects, tool, path);
+  const MotionListener on_step =
+      trial.observer != nullptr ? trial.observer->ListenToMotion() : MotionListener();
+  ExecuteResult stirred = StirBin(trial.scene, trial.objects, tool, path, StirOptions(),
+                                  ExecuteOptions().physics, on_step);
   record.outcome = stirred.outcome;
   record.failure = stirred.outcome.failure;
   trial.failed.Clear();  // the stir moved the instances

@@ -33,7 +33,7 @@ YAML
 replay_animates_picks() {
   expect 0 "$pickbed" run small.yaml "${noisy[@]}" --out one
   expect 0 "$pickbed" replay one#1 --animate --attempt 0
-  grep -q "^1 animated picks in" last.out || fail "the number of picks is not reported"
+  grep -q "^1 animation in" last.out || fail "the number of animations is not reported"
   head -c 6 one/replay/trial_0001/attempt_00_pick.gif | grep -q GIF89a || fail "no GIF"
   grep -aq '"animations":' one/replay/trial_0001/attempt_00_pick.glb || fail "no animation in the GLB"
   [ ! -e one/replay/trial_0001/attempt_01_pick.gif ] || fail "an attempt was animated that was not asked for"
@@ -41,6 +41,15 @@ replay_animates_picks() {
   # A minimum score that no pose reaches: no attempt executes a grasp.
   expect 0 "$pickbed" run rods.yaml --set estimator.name=ppf --set estimator.min_score=1 --trials 1 --out none
   refused "no attempt of the trial executed a grasp" "$pickbed" replay none#0 --animate
+}
+
+replay_animates_stirs() {
+  # A minimum score that no pose reaches: the first attempt only stirs.
+  expect 0 "$pickbed" run rods.yaml --set estimator.name=ppf --set estimator.min_score=1 --set policy.stir.max=1 \
+    --trials 1 --pictures 0 --out stirred
+  expect 0 "$pickbed" replay stirred#0 --animate
+  grep -q "^1 animation in" last.out || fail "not only the stir is animated"
+  grep -aq '"animations":' stirred/replay/trial_0000/attempt_00_pick.glb || fail "no animation of the stir"
 }
 
 replay_names_the_changed_setting() {
