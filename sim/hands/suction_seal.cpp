@@ -34,22 +34,6 @@ bool HasHole(const MeshQuery& mesh_O, const Pose& X_OG, const CupSpec& spec,
 
 }  // namespace
 
-const char* SealFaultName(SealFault fault) {
-  switch (fault) {
-    case SealFault::kNone:
-      return "sealed";
-    case SealFault::kMissed:
-      return "the rim misses the surface";
-    case SealFault::kTooFar:
-      return "the stem would hit the object";
-    case SealFault::kUneven:
-      return "the surface is uneven under the lip";
-    case SealFault::kLeaks:
-      return "a hole inside the rim";
-  }
-  return "";
-}
-
 CupSeal TestSeal(const MeshQuery& mesh_O, const Pose& X_OG, const CupSpec& spec,
                  const SealOptions& options) {
   const int rays = options.rim_rays;

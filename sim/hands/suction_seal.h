@@ -19,8 +19,6 @@ enum class SealFault {
   kUneven,  // the lip cannot follow the surface: an edge, a step or a strong curvature
   kLeaks,   // a through hole inside the rim
 };
-// Returns a short description for messages.
-const char* SealFaultName(SealFault fault);
 
 // Number and placement of the test rays.
 struct SealOptions {
