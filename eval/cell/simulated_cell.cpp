@@ -94,7 +94,12 @@ SimulatedCell::Drawn& SimulatedCell::DrawnIn(BinIndex bin_index) {
 }
 
 BinErrors SimulatedCell::ErrorsOf(BinIndex bin_index) const {
-  return DrawBinErrors(errors_, seed_, bin_index);
+  BinErrors errors = DrawBinErrors(errors_, seed_, bin_index);
+  if (measures_exactly_) {
+    errors.focal = errors.depth_bias_m = errors.depth_scale = 0;
+    errors.principal_px.setZero();
+  }
+  return errors;
 }
 
 AttemptErrors SimulatedCell::ErrorsOf(BinIndex bin_index, int attempt) const {

@@ -58,6 +58,10 @@ class SimulatedCell {
   // Calls `on_wait` often while a bin is dropped. An exception ends the drop.
   void SetOnWait(std::function<void()> on_wait) { drop_.on_wait = std::move(on_wait); }
 
+  // From now on, focal length, principal point and depth have no error. The pose of the camera
+  // keeps its error.
+  void MeasureExactly() { measures_exactly_ = true; }
+
   // The results of these functions depend only on the arguments, the scenario and its seed.
 
   // Drops the bin until it is at rest. Friction and mass deviate only after the drop, so that bins
@@ -121,6 +125,7 @@ class SimulatedCell {
   DropOptions drop_;
   OcclusionSpec occlusion_;
   CellErrorsSpec errors_;
+  bool measures_exactly_ = false;
   AppearanceRanges appearance_;
   SensorProfile sensor_;
   mutable ObjectSet objects_;

@@ -225,22 +225,59 @@ struct Line {
   double Zero() const { return x / n - y / n / Slope(); }
 };
 
-CameraIntrinsics FitIntrinsics(const Image<float>& depth_m, const Image<float>& x_m,
-                               const Image<float>& y_m, const std::string& name) {
-  Line columns, rows;
+// Adds the median of the values to the line. Single wrong points do not turn it then.
+void AddMedian(int index, std::vector<double>& values, Line& line) {
+  if (values.empty()) return;
+  const auto median = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), median, values.end());
+  line.Add(index, *median);
+}
+
+// A point far from the ray of its pixel contradicts the others: it is damaged, or the cloud has the
+// frame of another camera.
+void RequireOnRays(const CameraIntrinsics& k, const Image<float>& depth_m, const Image<float>& x_m,
+                   const Image<float>& y_m, const std::string& name) {
+  const double limit_px = std::max(10.0, 0.05 * k.width());
   for (int v = 0; v < depth_m.height(); ++v) {
     for (int u = 0; u < depth_m.width(); ++u) {
       if (!(depth_m(u, v) > 0)) continue;
-      columns.Add(u, x_m(u, v) / depth_m(u, v));
-      rows.Add(v, y_m(u, v) / depth_m(u, v));
+      const double off_px = std::hypot(k.fx() * x_m(u, v) / depth_m(u, v) + k.cx() - u,
+                                       k.fy() * y_m(u, v) / depth_m(u, v) + k.cy() - v);
+      CheckInput(off_px <= limit_px,
+                 fmt::format("{}: the point in column {}, row {} is {:.0f} px from its pixel; give "
+                             "an organised cloud in the camera frame, with NaN for wrong points",
+                             name, u, v, off_px));
     }
+  }
+}
+
+CameraIntrinsics FitIntrinsics(const Image<float>& depth_m, const Image<float>& x_m,
+                               const Image<float>& y_m, const std::string& name) {
+  Line columns, rows;
+  std::vector<double> slopes;
+  for (int u = 0; u < depth_m.width(); ++u) {
+    slopes.clear();
+    for (int v = 0; v < depth_m.height(); ++v) {
+      if (depth_m(u, v) > 0) slopes.push_back(x_m(u, v) / depth_m(u, v));
+    }
+    AddMedian(u, slopes, columns);
+  }
+  for (int v = 0; v < depth_m.height(); ++v) {
+    slopes.clear();
+    for (int u = 0; u < depth_m.width(); ++u) {
+      if (depth_m(u, v) > 0) slopes.push_back(y_m(u, v) / depth_m(u, v));
+    }
+    AddMedian(v, slopes, rows);
   }
   const double fx = 1 / columns.Slope(), fy = 1 / rows.Slope();
   CheckInput(columns.n > 2 && std::isfinite(fx) && std::isfinite(fy) && fx > 0 && fy > 0,
              name +
                  ": the points have no layout of an image; give an organised cloud in the "
                  "camera frame");
-  return {depth_m.width(), depth_m.height(), fx, fy, columns.Zero(), rows.Zero()};
+  const CameraIntrinsics fitted{depth_m.width(), depth_m.height(), fx, fy,
+                                columns.Zero(),  rows.Zero()};
+  RequireOnRays(fitted, depth_m, x_m, y_m, name);
+  return fitted;
 }
 
 Image<float> Coordinate(const CloudFile& cloud, const std::string& key, const std::string& name,

@@ -14,6 +14,7 @@
 #include "eval/trial/timed_stages.h"
 #include "scenes/base/ids_format.h"
 #include "scenes/base/message_text.h"
+#include "scenes/base/random.h"
 
 namespace pickbed::eval {
 namespace {
@@ -175,11 +176,29 @@ void ThrowDamaged(const Database& db, const std::string& table, const std::strin
       fmt::format("{}: table '{}', {}: {}; {}", db.file(), table, place, fault, kRestoreAdvice));
 }
 
+// The settings of the store have the identity of each configuration, or its hash.
+void CheckIdentities(const Database& db) {
+  const std::string head = "\n" + db.Setting("scenario") + "\n";
+  Statement rows(db, "SELECT configuration, identity FROM configurations");
+  while (rows.Step()) {
+    int number = 0;
+    std::string identity;
+    rows.Read(0, number);
+    rows.Read(1, identity);
+    const std::string hash = fmt::format("{:016x}", HashBytes(identity.data(), identity.size()));
+    const bool is_known = head.find("\n" + identity) != std::string::npos && !identity.empty();
+    if (is_known || head.find(hash) != std::string::npos) continue;
+    ThrowDamaged(db, "configurations", fmt::format("configuration {}", number),
+                 "its identity is not in the settings of the store");
+  }
+}
+
 void CheckTables(const Database& db) {
   CheckPages(db);
   CheckColumns<ConfigurationRow>(db, "configurations");
   ForEachTrialTable([&]<typename Row>(const char* table) { CheckColumns<Row>(db, table); });
   RequireNumbered(db, "configurations", "'all'", "configuration");
+  CheckIdentities(db);
   RequireNoRow(
       db, "configurations",
       fmt::format("SELECT rowid FROM configurations WHERE first_trial < 0 OR trials < 0 OR "

@@ -204,7 +204,8 @@ EstimateResult EstimateInImage(TrialSetup& setup, const Observation& view,
                             setup.spec.estimator, rng);
   }
   if (!oracle.detection && !oracle.pose && !oracle.refinement) return result;
-  const InstanceMatcher visible(setup.metric_models, VisibleInstances(setup, truth));
+  const InstanceMatcher visible(
+      setup.metric_models, InstancesInImage(setup.cell, bin_index, VisibleInstances(setup, truth)));
   result.hypotheses = SubstituteTruth(std::move(result.hypotheses), visible, oracle);
   if (setup.refiner) {
     setup.refiner->Refine(view.frame, view.calibration.Background(setup.cell.bin()),

@@ -18,7 +18,8 @@ constexpr std::array<OracleRow, 6> kRows{{
     {"pose", "poses are true before refinement", {.pose = true}},
     {"refinement", "a right pose is kept and made exact by the refinement", {.refinement = true}},
     {"grasp", "grasps are planned and checked in the true scene", {.grasp = true}},
-    {"perception", "the poses of all instances are known", kPerception},
+    {"perception", "the poses of all instances are known, and the camera measures exactly",
+     kPerception},
     {"everything", "the poses of all instances are known, and grasps are planned in the true scene",
      kAll},
 }};

@@ -19,7 +19,9 @@
 // - grasp: grasps are tried in the true scene until one succeeds. First come the planner's best
 //   grasps, then the best that it rejects for tilt, quality, clearance or observed obstacles. If
 //   none succeeds, the planner's first grasp is kept.
-// With sense, detection, pose and refinement, the estimator does not run.
+// With sense, detection, pose and refinement, the estimator does not run, and the camera has no
+// errors of its focal length, principal point and depth. In the other reruns, a true pose is the
+// one that is seen in the image with these errors.
 
 #include <memory>
 #include <span>

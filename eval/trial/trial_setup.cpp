@@ -64,6 +64,8 @@ TrialSetup::TrialSetup(const ScenarioSpec& scenario, const ObjectSet& objects,
   execute.retention.max_g = scenario.policy.retention_g;
   execute.retention.is_lateral = scenario.policy.retention_load == "lateral";
   const OracleStages& truth = options.truth;
+  // Measured surfaces that contradict the true poses would be obstacles for the planner.
+  if (truth.AllOfPerception()) cell.MeasureExactly();
   const PlannerRow& planner_row = PlannerOf(scenario, truth);
   has_poses = planner_row.needs_poses;
   if (!options.estimator_on_demand) MakeEstimator();

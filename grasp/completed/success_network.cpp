@@ -17,7 +17,9 @@ namespace {
 // The blocks are the training, means, scales, the outputs of each layer, and all weights.
 constexpr std::string_view kMagic = "PICKGRSP";
 constexpr uint64_t kVersion = 1;
-constexpr int32_t kMaxOutputs = 4096;   // of a layer
+constexpr int32_t kMaxOutputs = 4096;  // of a layer
+// No network has weights near this. One of them would outvote all others.
+constexpr float kLargestWeight = 1e4f;
 constexpr double kFullWidth_m = 0.012;  // thickness from which a completed shape is not thin
 
 Eigen::VectorXf ToVector(const std::vector<float>& values) {
@@ -55,7 +57,9 @@ SuccessNetwork Parse(std::string_view bytes) {
     PerceptronLayer& layer = network.layers.emplace_back();
     layer.weights = Eigen::Map<const Eigen::MatrixXf>(weights.data() + used, count, inputs);
     layer.bias = Eigen::Map<const Eigen::VectorXf>(weights.data() + used + count * inputs, count);
-    CheckInput(layer.weights.allFinite() && layer.bias.allFinite(), "a weight is not finite");
+    const auto is_usual = [](float weight) { return std::abs(weight) <= kLargestWeight; };
+    CheckInput(std::all_of(weights.begin() + used, weights.begin() + used + size, is_usual),
+               fmt::format("a weight is not finite, or over {:g}", kLargestWeight));
     used += size;
     inputs = count;
   }

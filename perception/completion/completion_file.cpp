@@ -34,10 +34,16 @@ CompletionModel Parse(std::string_view bytes, const std::string& name, const std
   reader.RequireEnd();
   std::vector<float> weights(halves.size());
   for (size_t i = 0; i < halves.size(); ++i) weights[i] = FromHalf(halves[i]);
-  const auto is_finite = [](float value) { return std::isfinite(value); };
-  CheckInput(std::all_of(weights.begin(), weights.end(), is_finite) &&
-                 std::all_of(statistics.begin(), statistics.end(), is_finite),
-             "a weight or a statistic is not finite");
+  // The statistics are means and variances of activations, which are larger than weights.
+  constexpr float kLargestWeight = 1e4f, kLargestStatistic = 1e6f;
+  const auto within = [](const std::vector<float>& values, float largest) {
+    return std::ranges::all_of(values, [&](float v) { return std::abs(v) <= largest; });
+  };
+  CheckInput(
+      within(weights, kLargestWeight) && within(statistics, kLargestStatistic),
+      fmt::format("a weight is not finite or over {:g}, or a statistic is not finite or over "
+                  "{:g}",
+                  kLargestWeight, kLargestStatistic));
   CompletionNetwork network(info.network, 0, device);
   network.SetWeights(weights, statistics);
   return {info, std::move(network)};

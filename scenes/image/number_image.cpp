@@ -1,5 +1,7 @@
 #include "scenes/image/number_image.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -100,7 +102,10 @@ NumpyHeader ReadNumpyHeader(const std::string& bytes, const std::string& name) {
   };
   constexpr size_t kPreamble = 12;
   require(bytes.size() >= kPreamble, "the NumPy file ends in its header; get it again");
-  const bool is_first = bytes[6] == 1;  // major version
+  const int major = bytes[6], minor = bytes[7];
+  require(major >= 1 && major <= 3 && minor == 0,
+          fmt::format("it has the unknown NumPy version {}.{}; save it again", major, minor));
+  const bool is_first = major == 1;
   uint32_t length = 0;
   std::memcpy(&length, bytes.data() + 8, is_first ? 2 : 4);
   NumpyHeader header;

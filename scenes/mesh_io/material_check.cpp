@@ -29,8 +29,9 @@ struct Numbers {
 };
 
 constexpr double kAny = 1e9;
-// Colors are rounded by the programs that write them.
-constexpr Numbers kColor{1, 3, 0, 1 + 1e-3}, kLight{1, 3, 0, kAny}, kOne{1, 1, 0, kAny};
+// Colors are rounded by the programs that write them. A single number means a grey, but the
+// importer reads a red. It is also what is left of a line that is cut.
+constexpr Numbers kColor{3, 3, 0, 1 + 1e-3}, kLight{1, 3, 0, kAny}, kOne{1, 1, 0, kAny};
 
 // Statements with numbers. Those with P are from the extension for physically based rendering.
 const std::map<std::string_view, Numbers>& NumberStatements() {
@@ -64,7 +65,9 @@ std::string Shown(std::string_view word) { return "'" + OneLine(std::string(word
 
 std::string FaultOfNumbers(const Words& words, const Numbers& form) {
   const size_t count = words.size() - 1;
-  if (count < form.fewest || count > form.limit) return fmt::format("has {} numbers", count);
+  if (count < form.fewest || count > form.limit) {
+    return fmt::format("has {} number{}", count, count == 1 ? "" : "s");
+  }
   for (size_t i = 1; i < words.size(); ++i) {
     const std::optional<double> value = NumberIn(words[i]);
     if (!value) return Shown(words[i]) + " is no number";

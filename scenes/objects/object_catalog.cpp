@@ -136,6 +136,11 @@ ObjectSettings ReadObjectFile(const fs::path& file) {
              name + ": give exactly one of mass_kg and density_kgpm3, above 0");
   CheckInput(settings.inertia_diagonal_kgm2.norm() == 0 || settings.mass_kg > 0,
              name + ": inertia_diagonal_kgm2 needs mass_kg, not density_kgpm3; give mass_kg");
+  CheckInput(settings.inertia_diagonal_kgm2.norm() > 0 ||
+                 (settings.com_m.isZero(0) && settings.inertia_products_kgm2.isZero(0)),
+             name +
+                 ": com_m and inertia_products_kgm2 need inertia_diagonal_kgm2; give all three, or "
+                 "none of them to compute them from the mesh");
   CheckInput(
       settings.inertia_diagonal_kgm2.norm() == 0 || settings.inertia_diagonal_kgm2.minCoeff() > 0,
       name + ": inertia_diagonal_kgm2 must be positive");
@@ -262,7 +267,13 @@ std::shared_ptr<const ObjectModel> ObjectCatalog::Load(const std::string& name) 
   const ObjectSettings settings = ReadObjectFile(folder / kObjectFile);
   std::shared_ptr<ObjectModel> model = MakeModel(name, folder / settings.mesh, settings.unit,
                                                  {settings.mass_kg, settings.density_kgpm3});
-  if (settings.inertia_diagonal_kgm2.norm() > 0) ApplyInertia(settings, model->mass);
+  if (settings.inertia_diagonal_kgm2.norm() > 0) {
+    ApplyInertia(settings, model->mass);
+    CheckInput(Plausible(model->mass, MeshBounds(model->mesh_O)),
+               fmt::format("{}: no solid within the mesh has this com_m and this inertia; check "
+                           "their units, m and kg m^2",
+                           (folder / kObjectFile).string()));
+  }
   model->friction = settings.friction;
   model->symmetries_O = ToSymmetrySet(settings);
   for (const RestingSettings& resting : settings.resting) {

@@ -170,7 +170,8 @@ FuzzTarget ObjectTarget() {
       "- "
       "{axis: [0, 0, 1], angle_deg: 180}\n  continuous: []\n";
   constexpr const char* kHeavy =
-      "mesh: mesh.obj\nunit: m\nmass_kg: 0.2\ncom_m: [0.02, 0.02, 0.02]\nfriction: 0.4\n";
+      "mesh: mesh.obj\nunit: m\nmass_kg: 0.2\ninertia_diagonal_kgm2: [0.0002, 0.0002, "
+      "0.0002]\ncom_m: [0.02, 0.02, 0.02]\nfriction: 0.4\n";
   return {"object", run, [] { return Contents{kObject, kHeavy}; }};
 }
 

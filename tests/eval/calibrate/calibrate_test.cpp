@@ -197,7 +197,7 @@ TEST_F(CalibrateRun, RunsWithoutScoresOfAnEstimatorAreNamed) {
 }
 
 TEST_F(CalibrateRun, ASweepNeedsTheNumberOfAConfiguration) {
-  StoreHead head{"sweep", {}};
+  StoreHead head{"a\nb", {}};
   for (const int number : {0, 1}) {
     StoredConfiguration& configuration = head.configurations.emplace_back();
     configuration.number = number;

@@ -67,9 +67,10 @@ TEST_F(ResultsStoreTest, RefusesResultsOfOtherSettings) {
 }
 
 TEST_F(ResultsStoreTest, KeepsConfigurationsWithTheirSeeds) {
-  StoreHead head{"both", {}};
+  StoreHead head;
   head.configurations.push_back({0, "seed=1", 0, 2, 1, "seed: 1", "seed: 1"});
   head.configurations.push_back({1, "seed=2", 2, 2, 18446744073709551615u, "seed: 2", "seed: 2"});
+  head.identity = SweepIdentity(head.configurations);
   {
     ResultsStore store(folder_, head);
     TrialResult result = FullTrial(2);
@@ -79,7 +80,7 @@ TEST_F(ResultsStoreTest, KeepsConfigurationsWithTheirSeeds) {
   }
   const ResultsStore store = ResultsStore::OpenToRead(folder_);
   ASSERT_EQ(store.head().configurations.size(), 2u);
-  EXPECT_EQ(store.head().identity, "both");
+  EXPECT_EQ(store.head().identity, head.identity);
   const StoredConfiguration& second = store.head().configurations[1];
   EXPECT_EQ(std::tie(second.number, second.name, second.first_trial, second.trials, second.seed,
                      second.identity, second.settings),

@@ -118,6 +118,8 @@ TEST(SuccessNetwork, RefusesNetworksThatDoNotFit) {
   SuccessNetwork network = RandomNetwork({1});
   network.layers[0].weights(0, 7) = std::nanf("");
   EXPECT_THAT(error_of(network), HasSubstr("not finite"));
+  network.layers[0].weights(0, 7) = 2e19f;
+  EXPECT_THAT(error_of(network), HasSubstr("over 10000"));
   network = RandomNetwork({1});
   network.scale[5] = 0;
   EXPECT_THAT(error_of(network), HasSubstr("positive"));

@@ -93,6 +93,8 @@ TEST(TensorFile, NamesTypesAndValuesAreChecked) {
   file.Put("weights", {1, std::numeric_limits<float>::quiet_NaN()});
   EXPECT_THAT(ErrorOf([&] { file.Floats("weights"); }),
               HasSubstr("a value of 'weights' is not finite"));
+  file.Put("bias", {1, -2e7f});
+  EXPECT_THAT(ErrorOf([&] { file.Floats("bias"); }), HasSubstr("over 1e+06"));
 }
 
 TEST(TensorFile, KindAndVersionAreChecked) {

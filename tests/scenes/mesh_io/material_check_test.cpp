@@ -20,7 +20,7 @@ struct MaterialCase {
 TEST(MaterialFile, WordsAndNumbersAreChecked) {
   const std::string begin = "# made by hand\nnewmtl red\n";
   const MaterialCase cases[] = {
-      {"fine", begin + "Kd 1 0 0\r\nKa 0.5\nd 0.5\nNs 96.1\nillum 2\n", ""},
+      {"fine", begin + "Kd 1 0 0\r\nKa 0.5 0.5 0.5\nd 0.5\nNs 96.1\nillum 2\n", ""},
       {"nothing", "", "is empty"},
       {"options of a map", begin + "map_Kd -s 1 1 1 -clamp on a.tga\n", ""},
       {"a statement of another program", begin + "interpolation 3\n", ""},
@@ -29,6 +29,7 @@ TEST(MaterialFile, WordsAndNumbersAreChecked) {
       {"a broken number", begin + "Kd 1 0.0.1 0\n", "line 3 of its material file"},
       {"a word", begin + "Kd 1 x 0\n", "'x' is no number"},
       {"too few numbers", begin + "Kd\n", "has 0 numbers"},
+      {"one number of a color", begin + "Kd 1", "has 1 number"},
       {"too many numbers", begin + "Kd 1 0 0 0\n", "has 4 numbers"},
       {"a color over 1", begin + "Kd 255 0 0\n", "has 255 for Kd, which is not within 0 and 1"},
       {"a negative color", begin + "Kd 1 -1 0\n", "has -1 for Kd"},

@@ -7,6 +7,7 @@
 #include "scenes/mesh_io/mesh_checks.h"
 #include "scenes/mesh_io/mesh_io.h"
 #include "tests/scenes/shapes.h"
+#include "tests/support/error_of.h"
 
 namespace pickbed::tests {
 namespace {
@@ -23,6 +24,24 @@ const Vector3d kSize(0.06, 0.04, 0.02);
 void AddObject(const TemporaryFolder& root, const std::string& name, const std::string& yaml) {
   root.Write(name + "/object.yaml", yaml);
   SaveObj(root.path() / name / "mesh.obj", BoxShape(1e3 * kSize, {10, 0, 0}));
+}
+
+TEST(ObjectCatalog, RefusesACenterOfMassWithoutInertiaOrOutsideOfTheMesh) {
+  const TemporaryFolder root;
+  const auto error_of = [&](const std::string& mass) {
+    AddObject(root, "block", "mesh: mesh.obj\nunit: mm\nmass_kg: 0.5\nfriction: 0.4\n" + mass);
+    return ErrorOf([&] { ObjectCatalog({root.path()}).Load("block"); });
+  };
+  const std::string com = "com_m: [0.01, 0, 0]\n", far = "com_m: [0.2, 0, 0]\n";
+  const std::string inertia = "inertia_diagonal_kgm2: [0.0001, 0.0002, 0.0002]\n";
+  EXPECT_EQ(error_of(com + inertia), "no error");
+  EXPECT_THAT(error_of(com), HasSubstr("need inertia_diagonal_kgm2"));
+  EXPECT_THAT(error_of("inertia_products_kgm2: [1e-6, 0, 0]\n"),
+              HasSubstr("need inertia_diagonal_kgm2"));
+  EXPECT_THAT(error_of(far + inertia), HasSubstr("object.yaml: no solid within the mesh"));
+  // One moment is larger than the sum of the others.
+  EXPECT_THAT(error_of(com + "inertia_diagonal_kgm2: [0.0001, 0.0005, 0.0002]\n"),
+              HasSubstr("no solid within the mesh"));
 }
 
 TEST(ObjectCatalog, LoadsAllFieldsOfTheFile) {
