@@ -39,7 +39,7 @@ class RunReportPageTest : public testing::Test {
     const std::string scenario =
         "seed: 17\nobjects: [{name: rod, count: 6}, {name: flange, count: 6}]\n";
     WriteFileAtomically(folder / kScenarioFile, scenario);
-    ResultsStore store(folder, {scenario,
+    ResultsStore store(folder, {scenario + more_identity,
                                 {{.name = "",
                                   .trials = static_cast<int>(trials.size()),
                                   .identity = scenario + more_identity,
