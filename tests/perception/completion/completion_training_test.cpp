@@ -169,7 +169,7 @@ TEST(CompletionFile, KeepsWeightsToHalfPrecisionAndWritesTheSameBytesAgain) {
   EXPECT_EQ(ReadFileBytes(TestFile("a.net")), ReadFileBytes(TestFile("b.net")));
 }
 
-TEST(CompletionFile, RefusesWeightsBeyondHalfPrecision) {
+TEST(CompletionFile, RefusesWeightsBeyondHalfPrecisionOrTheLimit) {
   CompletionNetwork network(TinyNetwork(), 3);
   std::vector<float> weights = network.Weights();
   weights.back() = 7e4f;
@@ -182,6 +182,10 @@ TEST(CompletionFile, RefusesWeightsBeyondHalfPrecision) {
   network.SetWeights(weights, statistics);
   SaveCompletionModel(TestFile("nan.net"), info, network);
   EXPECT_THROW(LoadCompletionModel(TestFile("nan.net")), InputError);
+  weights.back() = 3e4f;
+  network.SetWeights(weights, CompletionNetwork(TinyNetwork(), 3).Statistics());
+  SaveCompletionModel(TestFile("damaged.net"), info, network);
+  EXPECT_THROW(LoadCompletionModel(TestFile("damaged.net")), InputError);
 }
 
 TEST(CompletionFile, RefusesMissingDamagedNewerAndOlderFilesInOneLine) {
