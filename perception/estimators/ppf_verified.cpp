@@ -76,8 +76,10 @@ std::unique_ptr<EstimatorTraining> MakePpfTraining() { return std::make_unique<P
 std::unique_ptr<PoseEstimator> MakeVerifiedPpfEstimator(const EstimatorSetup& setup,
                                                         const VerifiedPpfOptions& options) {
   const std::filesystem::path file = PpfTraining().ModelFile(setup.spec);
+  // Before the candidates, whose models take seconds: a wrong file is refused at once.
+  auto verifiers = VerifiersOf(LoadVerifiers(file, kPpfName), setup.objects, file);
   VerifiedSetup made{MakePpfCandidates(setup.objects, options, setup.threads),
-                     VerifiersOf(LoadVerifiers(file, kPpfName), setup.objects, file),
+                     std::move(verifiers),
                      options.pose_selection,
                      setup.refiner,
                      setup.threads,

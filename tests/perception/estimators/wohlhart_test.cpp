@@ -112,7 +112,8 @@ TEST_F(WohlhartInBins, LearnsAndFindsUnoccludedInstances) {
 
 TEST_F(WohlhartInBins, SameSeedSameFile) {
   WohlhartBinOptions options = Quick();
-  options.network.iterations = 150;
+  options.network.iterations = 60;  // past the first mining of hard negatives
+  options.views.isolated = 40;
   options.views.clutter_scenes = 2;
   Train("a.net", options);
   Train("b.net", options);
