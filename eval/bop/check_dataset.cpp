@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -15,6 +16,17 @@
 
 namespace pickbed::eval {
 namespace {
+
+// Whether a box x, y, width, height is within another one. A box without area says that there is
+// nothing to see, so it is within each.
+bool IsInside(const std::array<int, 4>& inner, const std::array<int, 4>& outer) {
+  if (inner[2] <= 0 || inner[3] <= 0) return true;
+  for (const int axis : {0, 1}) {
+    if (inner[axis] < outer[axis]) return false;
+    if (inner[axis] + inner[axis + 2] > outer[axis] + outer[axis + 2]) return false;
+  }
+  return true;
+}
 
 namespace fs = std::filesystem;
 
@@ -159,6 +171,9 @@ class Checker {
       }
       if (info.px_count_visib < 0 || info.px_count_visib > info.px_count_all) {
         fault(fmt::format("px_count_visib is {} of {}", info.px_count_visib, info.px_count_all));
+      }
+      if (info.bbox_obj && info.bbox_visib && !IsInside(*info.bbox_visib, *info.bbox_obj)) {
+        fault("bbox_visib is not within bbox_obj");
       }
       if (info.px_count_valid.value_or(0) > static_cast<int>(depth_m.size())) {
         fault(fmt::format("px_count_valid is {}, more than the image has pixels",

@@ -44,6 +44,7 @@ SimulatedCell::SimulatedCell(const ScenarioSpec& spec, const ObjectSet& objects)
     if (!object.distractor) wanted_.push_back(ObjectId(counts_.size()));
     counts_.push_back(object.count);
   }
+  counts_place_ = spec.At(spec.fill > 0 ? "fill" : "objects");
   if (spec.fill == 0) return;
   counts_ = WithSettingsKey(
       spec, "fill", [&] { return sim::CountsForFill(bin_, objects_, counts_, spec.fill, drop_); });
@@ -134,8 +135,14 @@ CertifiedScene SimulatedCell::MakeScene(BinIndex bin_index) const {
     dropped_counts.push_back(counts[i]);
     ids.push_back(ObjectId(i));
   }
-  CertifiedScene made =
-      pickbed::sim::MakeScene({bin_, dropped, dropped_counts, seed_, bin_index}, drop_);
+  CertifiedScene made;
+  try {
+    made = pickbed::sim::MakeScene({bin_, dropped, dropped_counts, seed_, bin_index}, drop_);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format(
+        "{}: {}{}", counts_place_, error.what(),
+        errors_.size_percent > 0 ? ", or lower cell.size_percent, with which objects grow" : ""));
+  }
   for (PosedObject& posed : made.scene.objects) posed.object = ids[posed.object];
   AddDeviations(bin_index, made.scene);
   return made;

@@ -117,6 +117,7 @@ class SimulatedCell {
 
   uint64_t seed_;
   std::vector<int> counts_;          // in each bin without draw_
+  std::string counts_place_;         // place and key of the setting that gives them
   std::vector<ObjectSpec> entries_;  // of the scenario
   int draw_ = 0;                     // instances that each bin draws; 0 = all
   std::vector<ObjectId> wanted_;

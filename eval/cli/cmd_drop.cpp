@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <memory>
 
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
@@ -8,6 +9,7 @@
 #include "eval/draw/bin_view.h"
 #include "eval/export/scene_json.h"
 #include "eval/summary/clutter_json.h"
+#include "eval/summary/setting_notes.h"
 #include "eval/trial/clutter.h"
 #include "grasp/planners/table.h"
 #include "scenes/base/files.h"
@@ -16,15 +18,14 @@
 namespace pickbed::eval {
 namespace {
 
-// Counts the graspable instances at true poses, so no estimator is loaded. A planner without poses
-// has no such grasps.
-GraspableCount Graspable(const LoadedScenario& scenario, const CertifiedScene& made,
-                         const Observation& view) {
-  if (!PlannerNamed(scenario.spec.planner.name).needs_poses) return {};
+// Returns what plans the grasps that are counted, at true poses, so that no estimator is loaded.
+// Null for a planner without poses, which has no such grasps.
+std::unique_ptr<TrialSetup> GraspCounter(const LoadedScenario& scenario) {
+  if (!PlannerNamed(scenario.spec.planner.name).needs_poses) return nullptr;
   TrialOptions options;
   options.truth = {true, true, true, true, false};
-  const TrialSetup setup(scenario.spec, scenario.objects, {}, options);
-  return CountGraspable(setup, made.scene, view.visible_fractions, std::numeric_limits<int>::max());
+  return std::make_unique<TrialSetup>(scenario.spec, scenario.objects, TrialSetup::Progress{},
+                                      options);
 }
 
 }  // namespace
@@ -53,6 +54,9 @@ int DropCommand(int argc, char** argv) {
   const ObjectProgress on_object = ShowObjectsOn(progress);
   const LoadedScenario scenario = FindScenario(arguments, on_object);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-drop");
+  // Before the drop: it refuses a gripper that cannot hold the objects.
+  const std::unique_ptr<TrialSetup> counter = GraspCounter(scenario);
+  fmt::print(stderr, "{}", SmallObjectNote(scenario.spec, scenario.objects));
   MakeFolder(folder);
   SimulatedCell cell(scenario.spec, scenario.objects);
   cell.SetOnPrepare(on_object);
@@ -64,7 +68,11 @@ int DropCommand(int argc, char** argv) {
   WriteFileAtomically(folder / kCertificateFile, CertificateJson(made));
   const Observation view = cell.Capture(made.scene, bin_index, 0);
   ClutterStatistics statistics = MeasureClutter(cell, made.scene, bin_index, view);
-  const GraspableCount count = Graspable(scenario, made, view);
+  GraspableCount count;
+  if (counter) {
+    count = CountGraspable(*counter, made.scene, view.visible_fractions,
+                           std::numeric_limits<int>::max());
+  }
   statistics.tested = count.tested;
   statistics.graspable = count.graspable;
   const ClutterSummary clutter = ClutterOfBin(statistics);

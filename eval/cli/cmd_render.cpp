@@ -9,6 +9,7 @@
 #include "eval/draw/bin_view.h"
 #include "eval/draw/overlay.h"
 #include "eval/export/visibility_csv.h"
+#include "eval/summary/setting_notes.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 
@@ -38,6 +39,7 @@ int RenderCommand(int argc, char** argv) {
   const ObjectProgress on_object = ShowObjectsOn(progress);
   const LoadedScenario scenario = FindScenario(arguments, on_object);
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-render");
+  fmt::print(stderr, "{}", SmallObjectNote(scenario.spec, scenario.objects));
   MakeFolder(folder);
   SimulatedCell cell(scenario.spec, scenario.objects);
   cell.SetOnPrepare(on_object);

@@ -1,15 +1,13 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
 #include "eval/cli/run_progress.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
 #include "eval/summary/fill_text.h"
+#include "eval/summary/setting_notes.h"
 #include "eval/sweep/run.h"
-#include "grasp/planners/table.h"
 
 namespace pickbed::eval {
 namespace {
@@ -17,17 +15,6 @@ namespace {
 RunReport RunWithProgress(const LoadedScenario& scenario, const RunOptions& options) {
   ProgressLine progress;
   return RunScenario(scenario.spec, scenario.objects, options, ShowOn(progress, Interrupted));
-}
-
-// Names the settings that a planner without poses does not use, in one line.
-std::string UnusedSettings(const ScenarioSpec& spec) {
-  if (PlannerNamed(spec.planner.name).needs_poses) return {};
-  const bool is_given = std::ranges::any_of(spec.places, [](const auto& place) {
-    return place.first.starts_with("estimator.") || place.first == "refiner";
-  });
-  if (!is_given) return {};
-  return fmt::format("planner {} works without poses; estimator and refiner are not used\n",
-                     spec.planner.name);
 }
 
 }  // namespace
@@ -67,7 +54,11 @@ int RunCommand(int argc, char** argv) {
   }();
   options.out = OutFolder(out, scenario.name);
   options.tolerance = MapsFor(scenario.spec, scenario.objects, tolerance);
-  fmt::print(stderr, "{}", UnfitTools(scenario.spec, scenario.objects));
+  fmt::print(stderr, "{}{}", UnfitTools(scenario.spec, scenario.objects),
+             UnusedSettings(scenario.spec));
+  if (!LoadsEstimator(scenario.spec)) {
+    fmt::print(stderr, "{}", SmallObjectNote(scenario.spec, scenario.objects));
+  }
   RunReport report;
   try {
     report = RunWithProgress(scenario, options);
@@ -78,8 +69,7 @@ int RunCommand(int argc, char** argv) {
   if (json) {
     fmt::print("{}", SummaryJson(report.summary));
   } else {
-    fmt::print("{}\n{}{}", FillText(scenario.spec, scenario.objects), UnusedSettings(scenario.spec),
-               SummaryTable(report.summary));
+    fmt::print("{}\n{}", FillText(scenario.spec, scenario.objects), SummaryTable(report.summary));
     fmt::print("\nresults in {}\n", options.out.string());
   }
   if (report.interrupted) {

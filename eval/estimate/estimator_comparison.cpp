@@ -155,6 +155,10 @@ class Comparison {
     LiveRow row;
     row.result.label = estimator.label;
     ScenarioSpec spec = job_.spec;
+    const bool is_named = estimator.spec.name != spec.estimator.name ||
+                          estimator.spec.mode != spec.estimator.mode ||
+                          estimator.spec.model != spec.estimator.model;
+    if (is_named) spec.places["estimator"] = "--estimator " + estimator.label;
     spec.estimator = estimator.spec;
     ReleaseFreedMemory();
     const size_t before = ResetPeakMemory();

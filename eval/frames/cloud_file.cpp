@@ -21,7 +21,6 @@ namespace {
 
 constexpr size_t kFieldBytes = 4;
 constexpr int kMaxSide = 1 << 14;
-constexpr double kMaxDepth_m = 1e4;  // no camera and no scanner sees as far
 
 std::string ExtensionOf(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -241,6 +240,13 @@ void RequireOnRays(const CameraIntrinsics& k, const Image<float>& depth_m, const
   for (int v = 0; v < depth_m.height(); ++v) {
     for (int u = 0; u < depth_m.width(); ++u) {
       if (!(depth_m(u, v) > 0)) continue;
+      for (const float side_m : {x_m(u, v), y_m(u, v)}) {
+        // Rounding leaves more of a 0, so these are other bytes.
+        CheckInput(side_m == 0 || std::abs(side_m) > 1e-30,
+                   fmt::format("{}: the point in column {}, row {} has {:g}, so its bytes are "
+                               "damaged; get the file again",
+                               name, u, v, side_m));
+      }
       const double off_px = std::hypot(k.fx() * x_m(u, v) / depth_m(u, v) + k.cx() - u,
                                        k.fy() * y_m(u, v) / depth_m(u, v) + k.cy() - v);
       CheckInput(off_px <= limit_px,
@@ -342,11 +348,11 @@ RgbdFrame FrameOfCloud(const CloudFile& cloud, const std::string& name, double u
                fmt::format("{}: a point is {:g} m away, so its bytes are damaged; get the file "
                            "again, or give the unit of its points",
                            name, z));
-    if (!std::isfinite(z) || z < 0) z = 0;
-    CheckInput(z <= kMaxDepth_m,
+    CheckInput(!std::isfinite(z) || std::abs(z) <= kMaxDepth_m,
                fmt::format("{}: a point is {:g} m away, over {:g} m; get the file again, or give "
                            "the unit of its points",
                            name, z, kMaxDepth_m));
+    if (!std::isfinite(z) || z < 0) z = 0;
   }
   frame.intrinsics = FitIntrinsics(frame.depth_m, Coordinate(cloud, "x", name, unit_m),
                                    Coordinate(cloud, "y", name, unit_m), name);

@@ -15,6 +15,7 @@ namespace pickbed::eval {
 // Smallest depth of a cloud or a depth image. Shifted or otherwise wrong bytes often give a number
 // near 0, which no sensor does.
 inline constexpr double kMinDepth_m = 1e-12;
+inline constexpr double kMaxDepth_m = 1e4;  // no camera and no scanner sees as far
 
 // Fields of a cloud with the layout of an image, row by row.
 struct CloudFile {

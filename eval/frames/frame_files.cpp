@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "eval/frames/cloud_file.h"
@@ -56,15 +57,21 @@ Image<float> ReadDepth(const std::filesystem::path& file, double given_scale_mm,
                                        image.is_float ? "metres" : "millimetres"));
   }
   const auto unit_m = static_cast<float>(1e-3 * result.depth_scale_mm);
-  constexpr float kNoReading16 = 65535;
+  constexpr float kNoReading16 = 65535, kRenderedSky = 1e10f;  // the latter as Blender writes it
   for (float& value : image.values.pixels()) {
-    const bool is_hole = !std::isfinite(value) || value <= 0 ||
-                         (!image.is_float && image.bits == 16 && value == kNoReading16);
+    const bool is_no_reading =
+        image.is_float ? value == kRenderedSky || value == std::numeric_limits<float>::max()
+                       : image.bits == 16 && value == kNoReading16;
+    const bool is_hole = !std::isfinite(value) || value <= 0 || is_no_reading;
     value = is_hole ? 0 : value * unit_m;
     CheckInput(value == 0 || value >= kMinDepth_m,
                fmt::format("{}: a reading is {:g} m, so its bytes are damaged; get the file again, "
                            "or give the depth scale",
                            file.string(), value));
+    CheckInput(value <= kMaxDepth_m,
+               fmt::format("{}: a reading is {:g} m, over {:g} m; get the file again, or give the "
+                           "depth scale",
+                           file.string(), value, kMaxDepth_m));
   }
   return std::move(image.values);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "eval/compare/paired_comparison.h"
 #include "eval/page/html.h"
@@ -268,6 +269,21 @@ std::string SettingsText(const ScenarioSpec& spec, const ObjectCatalog& catalog)
                      FillOf(spec, catalog));
 }
 
+// Errors of the cell in the configurations of a sweep; empty if there are none.
+std::string CellErrorsText(const ReportRun& run) {
+  std::string by_configuration;
+  std::set<std::string> different;
+  for (const ReportConfiguration& configuration : run.configurations) {
+    const std::string errors = CellErrorsInWords(configuration.spec.cell);
+    different.insert(errors);
+    by_configuration += fmt::format("{}{}: {}", by_configuration.empty() ? "" : "; ",
+                                    configuration.trials.name, errors.empty() ? "none" : errors);
+  }
+  if (different.size() > 1) return fmt::format("Errors of the cell: {}.", by_configuration);
+  const std::string& errors = *different.begin();
+  return errors.empty() ? "" : fmt::format("Errors of the cell: {}.", errors);
+}
+
 // A plain run has its scenario file next to its store. The user may have changed settings there
 // that do not affect the results.
 ScenarioSpec SpecOf(const StoredConfiguration& configuration, size_t configurations,
@@ -371,11 +387,15 @@ ReportRun ReadReportRun(const fs::path& folder) {
 
 std::string RunReportPage(ReportRun run, const ObjectCatalog& catalog,
                           const ReportOptions& options) {
+  const std::string cell_errors = CellErrorsText(run);  // before its trials are moved
   const AllConfigurations all = AllConfigurationsOf({&run});
   ReportContents contents;
   contents.title = fmt::format("Pick report: {}", run.name);
-  if (run.configurations.size() == 1)
+  if (run.configurations.size() == 1) {
     contents.about.push_back(SettingsText(run.configurations[0].spec, catalog));
+  } else {
+    contents.about.push_back(cell_errors);
+  }
   contents.about.push_back(CrashedText(run));
   contents.about.insert(contents.about.end(), run.stops.begin(), run.stops.end());
   for (const ConfigurationComparison& comparison : CompareWithFirst(PairedConfigurationsOf(all))) {

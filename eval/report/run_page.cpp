@@ -15,6 +15,16 @@ struct HeadlineStatistic {
   std::string name, value, note;
 };
 
+std::string CycleNote(const CycleTime& cycle) {
+  std::string note =
+      fmt::format("per instance: sense {:.1f} s, move {:.1f} s", cycle.sense_s, cycle.move_s);
+  if (!cycle.measured) note += fmt::format(", compute {:.1f} s", cycle.compute_s);
+  if (cycle.stated_hidden_s > 0) {
+    note += fmt::format(", {:.1f} s hidden behind motion", cycle.stated_hidden_s);
+  }
+  return note + (cycle.measured ? "; without the time to compute" : "");
+}
+
 std::vector<HeadlineStatistic> HeadlineOf(const ConfigurationReport& configuration) {
   const RunSummary& s = configuration.summary;
   std::vector<HeadlineStatistic> headline;
@@ -44,7 +54,13 @@ std::vector<HeadlineStatistic> HeadlineOf(const ConfigurationReport& configurati
   }
   const double per_hour = s.cycle.stated_picks_per_hour();
   headline.push_back({"picks per hour", per_hour > 0 ? fmt::format("{:.0f}", per_hour) : "-",
-                      per_hour > 0 && s.cycle.measured ? "without the time to compute" : ""});
+                      per_hour > 0 ? CycleNote(s.cycle) : ""});
+  const int attempts = s.attempts_picked.samples;
+  if (!has_targets && s.images > 0 && s.images < attempts) {
+    headline.push_back(
+        {"images", std::to_string(s.images),
+         fmt::format("{:.1f} attempts each", static_cast<double>(attempts) / s.images)});
+  }
   if (s.retention.picks > 0) {
     headline.push_back({"retention", fmt::format("{:.1f} g", s.retention.median_g),
                         fmt::format("median of {} hold tests, minimum {:.1f} g", s.retention.picks,
@@ -73,6 +89,14 @@ std::string HeadlineHtml(const ConfigurationReport& configuration) {
     html += fmt::format("<p class=\"note\">Before the first pick: {}</p>\n", lines);
   }
   if (s.executed_grasps == 0) return html;
+  if (s.by_layer.size() > 1) {
+    TableCells layers{{"layer, 1 = top", "success [95 %]", "executed grasps"}};
+    for (const LayerRate& layer : s.by_layer) {
+      layers.push_back(
+          {layer.name(), ShortRateText(layer.success), std::to_string(layer.success.samples)});
+    }
+    html += "<details><summary>Success by layer</summary>" + TableHtml(layers) + "</details>\n";
+  }
   TableCells cells{{"rule", "success", "95 %", "passes when"}};
   for (const RuleRate& rate : s.by_rule) {
     const SuccessRuleRow& row = SuccessRuleTable()[static_cast<size_t>(rate.rule)];

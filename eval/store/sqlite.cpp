@@ -14,14 +14,20 @@ namespace {
 
 constexpr int kBusyTimeoutMs = 60000;  // several workers write to one file
 
-// Throws InputError for a truncated file. SQLite itself reads the end of a cut page as zeros.
+// Throws InputError for a truncated file, or one with a part of a page. SQLite itself reads the end
+// of a cut page as zeros, and does not read what follows the last page. A writer may just have
+// added pages.
 void RequireWhole(const Database& db) {
-  Statement statement(db, "SELECT page_count * page_size FROM pragma_page_count, pragma_page_size");
+  Statement statement(db, "SELECT page_count, page_size FROM pragma_page_count, pragma_page_size");
   statement.Step();
-  double bytes = 0;
-  statement.Read(0, bytes);
-  CheckInput(std::filesystem::file_size(db.file()) >= bytes,
+  uint64_t pages = 0, page_bytes = 1;
+  statement.Read(0, pages);
+  statement.Read(1, page_bytes);
+  const uint64_t bytes = std::filesystem::file_size(db.file());
+  CheckInput(bytes >= pages * page_bytes,
              fmt::format("{}: is truncated; {}", db.file(), kRestoreAdvice));
+  CheckInput(bytes % page_bytes == 0, fmt::format("{}: has {} bytes after its last page; {}",
+                                                  db.file(), bytes % page_bytes, kRestoreAdvice));
 }
 
 }  // namespace

@@ -85,11 +85,11 @@ std::string ClutterText(const ClutterSummary& clutter, const std::string& grippe
   }
   const bool several = clutter.bins > 1;
   const std::string text = fmt::format(
-      "{}fill level {:.0f} % of the bin's height; {} instances{} in layers from the top: {}\n"
+      "{}fill level {:.0f} % of the bin's height; {} instance{}{} in layers from the top: {}\n"
       "by visible fraction: {}\n",
       several ? "mean " : "", 100 * clutter.fill_level, clutter.instances,
-      several ? fmt::format(" of {} bins", clutter.bins) : "", fmt::join(clutter.layers, ", "),
-      visible);
+      clutter.instances == 1 ? "" : "s", several ? fmt::format(" of {} bins", clutter.bins) : "",
+      fmt::join(clutter.layers, ", "), visible);
   const std::string min_visibility = WholePercentText(kCountedVisibility);
   if (clutter.tested == 0) {
     return text +

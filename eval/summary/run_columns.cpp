@@ -306,6 +306,10 @@ ResultColumns SummaryKeys() {
   AddRateKeys("success_by_fill.BAND", "executed_grasps",
               "number of grasps executed at a band of fill levels, percent of the bin's height",
               "successes", "number of these that succeeded", keys);
+  AddRateKeys("success_by_layer.LAYER", "executed_grasps",
+              "number of grasps executed at an instance of this layer, 1 = top; 5- counts all "
+              "from the fifth",
+              "successes", "number of these that succeeded", keys);
   add({
       {"scenes_refused[].trial", "trial of a drop that failed the certificate"},
       {"scenes_refused[].attempt", "number of the drop"},
@@ -318,9 +322,15 @@ ResultColumns SummaryKeys() {
       {"retention.picks", "number of hold tests; only with policy.retention_g"},
       {"retention.min_g", "smallest load at which a hold test lost the instance, multiples of g"},
       {"retention.median_g", "median load at which a hold test lost the instance, multiples of g"},
+      {"drop_time.drops", "number of lifted instances that left the hand; only if there are any"},
+      {"drop_time.median_s", "median time from the end of the lift until then", "s"},
       {"picks_per_hour",
        "picks per hour by the settings `cycle`, without the time to compute if they do not give "
        "it; null if nothing was picked"},
+      {"cycle.sense_s", "time to capture images, for each picked instance", "s"},
+      {"cycle.compute_s", "time to compute, the same; null if the settings do not give it", "s"},
+      {"cycle.move_s", "time to move, the same", "s"},
+      {"cycle.hidden_s", "time of images and computing that cycle.overlap hides, the same", "s"},
   });
   AddBandKeys(keys);
   for (ResultColumn key : ForecastKeys()) {

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <utility>
@@ -65,18 +64,6 @@ void AddIntervals(const std::vector<TrialResult>& trials, RunSummary& summary) {
   for (const RecallBand& band : summary.recall_by_visibility) {
     summary.recall_ci95.push_back(of(InstancesRecalled(band.visible_min, band.visible_max)));
   }
-}
-
-RetentionStatistics RetentionOf(const std::vector<TrialResult>& trials) {
-  ValueClusters loads_g(1);
-  for (const TrialResult& trial : trials) {
-    for (const AttemptRecord& attempt : trial.attempts) {
-      if (attempt.outcome.retention_g >= 0) loads_g[0].push_back(attempt.outcome.retention_g);
-    }
-  }
-  if (loads_g[0].empty()) return {};
-  return {static_cast<int>(loads_g[0].size()),
-          *std::min_element(loads_g[0].begin(), loads_g[0].end()), MedianOf(loads_g)};
 }
 
 std::string BandName(const RecallBand& band) {
@@ -260,24 +247,6 @@ void CountRecall(const InstanceRecord& instance, std::vector<RecallBand>& bands)
   }
 }
 
-std::string FillBand::name() const {
-  return fill_min < 1 ? fmt::format("{:.0f}-{:.0f}", 100 * fill_min, 100 * fill_max) : "100-";
-}
-
-std::vector<FillBand> SuccessByFillLevel(const std::vector<TrialResult>& trials) {
-  constexpr int kBands = 10;
-  const std::vector<int> scenes = ScenesOf(trials);
-  std::vector<FillBand> bands;
-  for (int i = 0; i <= kBands; ++i) {
-    FillBand band{static_cast<double>(i) / kBands, static_cast<double>(i + 1) / kBands, {}};
-    if (i == kBands) band.fill_max = std::numeric_limits<double>::infinity();
-    band.success =
-        ClusterRate(CountByScene(trials, scenes, SuccessByFill(band.fill_min, band.fill_max)));
-    if (band.success.samples > 0) bands.push_back(band);
-  }
-  return bands;
-}
-
 std::vector<std::string> InViewNames() {
   const std::vector<VisibleBand> bands = ReportedBands();
   std::vector<std::string> names{VisibleBand{0, bands.front().min}.name()};
@@ -314,7 +283,9 @@ RunSummary Summarize(const std::vector<TrialResult>& trials, const CycleSpec& cy
   AddIntervals(trials, summary);
   summary.by_rule = RatesByRule(trials);
   summary.by_fill = SuccessByFillLevel(trials);
+  summary.by_layer = SuccessByLayers(trials);
   summary.retention = RetentionOf(trials);
+  summary.drop_times = DropTimesOf(trials);
   summary.clutter = ClutterOfTrials(trials);
   summary.cleared_rate = Ratio(summary.instances_cleared, summary.instances_dropped);
   summary.top1_precision = Ratio(summary.top1_correct, summary.frames);
@@ -382,6 +353,10 @@ std::string SummaryJson(const RunSummary& s) {
   for (const FillBand& band : s.by_fill) {
     by_fill[band.name()] = RateObject("executed_grasps", "successes", band.success);
   }
+  auto& by_layer = json["success_by_layer"] = nlohmann::ordered_json::object();
+  for (const LayerRate& layer : s.by_layer) {
+    by_layer[layer.name()] = RateObject("executed_grasps", "successes", layer.success);
+  }
   for (const BandStatistics& band : s.bands) json["target_by_visibility"].push_back(JsonOf(band));
   json["scenes_refused"] = nlohmann::ordered_json::array();
   for (const auto& [trial, refused] : s.refused) {
@@ -405,8 +380,19 @@ std::string SummaryJson(const RunSummary& s) {
                          {"min_g", s.retention.min_g},
                          {"median_g", s.retention.median_g}};
   }
+  if (s.drop_times.drops > 0) {
+    json["drop_time"] = {{"drops", s.drop_times.drops}, {"median_s", s.drop_times.median_s}};
+  }
   auto& picks_per_hour = json["picks_per_hour"];
-  if (s.cycle.stated_pick_s() > 0) picks_per_hour = s.cycle.stated_picks_per_hour();
+  auto& cycle = json["cycle"];  // null if nothing was picked, like picks_per_hour
+  if (s.cycle.stated_pick_s() > 0) {
+    picks_per_hour = s.cycle.stated_picks_per_hour();
+    cycle = {{"sense_s", s.cycle.sense_s},
+             {"compute_s", nullptr},
+             {"move_s", s.cycle.move_s},
+             {"hidden_s", s.cycle.stated_hidden_s}};
+    if (!s.cycle.measured) cycle["compute_s"] = s.cycle.compute_s;
+  }
   return json.dump(2) + "\n";
 }
 
@@ -473,6 +459,10 @@ std::string SummaryTable(const RunSummary& s) {
   if (s.retention.picks > 0) {
     line("retention", fmt::format("median {:.1f} g, minimum {:.1f} g in {} hold tests",
                                   s.retention.median_g, s.retention.min_g, s.retention.picks));
+  }
+  if (s.drop_times.drops > 0) {
+    line("dropped from the hand", fmt::format("{}, {:.2f} s after the lift (median)",
+                                              s.drop_times.drops, s.drop_times.median_s));
   }
   if (s.cycle.picks_per_hour() > 0) line("picks per hour", CycleText(s.cycle));
   if (!s.refused.empty()) text += RefusedText(s);

@@ -15,8 +15,10 @@
 #include "eval/summary/clutter_json.h"
 #include "eval/summary/cycle.h"
 #include "eval/summary/early_stop.h"
+#include "eval/summary/held_instances.h"
 #include "eval/summary/hidden_share.h"
 #include "eval/summary/occlusion_curve.h"
+#include "eval/summary/pile_rates.h"
 #include "eval/summary/success_rates.h"
 #include "eval/tolerance/pick_forecast.h"
 #include "eval/trial/trial.h"
@@ -37,23 +39,6 @@ std::vector<VisibleBand> ReportedBands(const OcclusionSpec& spec = {});
 std::vector<RecallBand> EmptyRecallBands(const std::vector<VisibleBand>& bands = ReportedBands());
 // Counts an instance in its band. An instance that is in no band is ignored.
 void CountRecall(const InstanceRecord& instance, std::vector<RecallBand>& bands);
-
-// Results of the hold tests of a run (policy.retention_g).
-struct RetentionStatistics {
-  int picks = 0;  // picks with a test
-  double min_g = 0, median_g = 0;
-};
-
-// Success of the executed grasps at one band of fill levels [fill_min, fill_max).
-struct FillBand {
-  double fill_min = 0, fill_max = 0;
-  ReportRate success;
-  std::string name() const;  // in percent, such as "20-30"; "100-" for a heap above the rim
-};
-
-// Returns the success in bands of 10 % of the bin's height, the emptiest first, without bands that
-// no executed grasp is in.
-std::vector<FillBand> SuccessByFillLevel(const std::vector<TrialResult>& trials);
 
 // A scene that failed its certificate, with its trial.
 struct TrialRefusal {
@@ -97,6 +82,7 @@ struct RunSummary {
   std::vector<RecallBand> recall_by_visibility;
   std::vector<Interval> recall_ci95;  // one per band
   std::vector<FillBand> by_fill;      // without bands that no grasp is in
+  std::vector<LayerRate> by_layer;    // the same
   std::vector<TrialRefusal> refused;
   std::vector<CrashedTrial> crashed;       // not part of any other count
   std::optional<StopState> stop;           // set if the run may stop early
@@ -107,6 +93,7 @@ struct RunSummary {
   std::vector<PickForecast> forecasts;     // empty without tolerance models
   CycleTime cycle;
   RetentionStatistics retention;
+  DropTimes drop_times;
   ClutterSummary clutter;  // before the first pick; without occlusion trials
   StageSeconds seconds;    // mean per trial, by stage
 

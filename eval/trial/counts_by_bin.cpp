@@ -178,6 +178,16 @@ TrialCount SuccessByFill(double fill_min, double fill_max) {
   };
 }
 
+TrialCount SuccessByLayer(int first_layer, int last_layer) {
+  return [=](const TrialResult& trial, Cluster& scene) {
+    for (const AttemptRecord& attempt : trial.attempts) {
+      if (!attempt.grasp || attempt.layer < first_layer || attempt.layer > last_layer) continue;
+      ++scene.samples;
+      scene.hits += attempt.failure == FailureReason::kNone;
+    }
+  };
+}
+
 TrialCount TargetsPicked(double visible_min, double visible_max) {
   return [=](const TrialResult& trial, Cluster& scene) {
     for (const AttemptRecord& attempt : trial.attempts) {

@@ -47,6 +47,8 @@ TrialCount SuccessByVisibility(double visible_min, double visible_max);
 // Successes among executed grasps at a fill level in [fill_min, fill_max). Attempts without a known
 // fill level do not count.
 TrialCount SuccessByFill(double fill_min, double fill_max);
+// Successes among executed grasps on an instance of these layers, first_layer..last_layer, 1 = top.
+TrialCount SuccessByLayer(int first_layer, int last_layer);
 // Attempts that picked their target, among attempts with a target of this visible fraction. An
 // attempt without a grasp counts as a failure.
 TrialCount TargetsPicked(double visible_min, double visible_max);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "eval/cell/visible_size.h"
 #include "eval/frames/region.h"
 #include "eval/trial/oracle_estimator.h"
 #include "eval/trial/timed_stages.h"
@@ -36,24 +37,6 @@ void RequireNames(const ScenarioSpec& spec) {
   WithSettingsKey(spec, "refiner", [&] { RefinerNamed(spec.refiner); });
 }
 
-void RequireVisibleSize(const ScenarioSpec& spec, const EstimatorSetup& setup) {
-  const double focal_px = std::min(setup.intrinsics.fx(), setup.intrinsics.fy());
-  for (const auto& object : setup.objects) {
-    const double size_px = object->diameter_m * focal_px / setup.working_distance_m;
-    if (size_px >= kMinDiameter_px) continue;
-    const double near_m = object->diameter_m * focal_px / kMinDiameter_px;
-    const double sharp_px = kMinDiameter_px * setup.working_distance_m / object->diameter_m;
-    throw InputError(fmt::format(
-        "{} = [{:g}, {:g}, {:g}]: object '{}' is {:.0f} px large at a distance of {:.2f} m, but an "
-        "estimator needs "
-        "{:.0f} px; move the camera to a distance of {:.2f} m, or use camera.focal_px={:.0f} with "
-        "more pixels",
-        spec.At("camera.eye_m"), spec.camera.eye_m.x(), spec.camera.eye_m.y(),
-        spec.camera.eye_m.z(), object->name, size_px, setup.working_distance_m, kMinDiameter_px,
-        0.01 * std::floor(100 * near_m), std::ceil(sharp_px)));
-  }
-}
-
 }  // namespace
 
 std::unique_ptr<LabelledViewSource> CellViews(const SimulatedCell& cell, const ObjectSet& objects) {
@@ -64,8 +47,8 @@ std::unique_ptr<LabelledViewSource> CellViews(const SimulatedCell& cell, const O
   return MakeSimViewSource(objects, options);
 }
 
-void KeepThoseInBin(const SimulatedCell& cell, const CellCalibration& calibration,
-                    std::vector<PoseHypothesis>& hypotheses) {
+void RemoveOutsideBin(const SimulatedCell& cell, const CellCalibration& calibration,
+                      std::vector<PoseHypothesis>& hypotheses) {
   const Pose X_BC = calibration.X_BD();
   std::erase_if(hypotheses, [&](const PoseHypothesis& hypothesis) {
     const Eigen::Vector3d& com_O = cell.objects()[hypothesis.object]->mass.com_O;
@@ -74,8 +57,7 @@ void KeepThoseInBin(const SimulatedCell& cell, const CellCalibration& calibratio
 }
 
 double WorkingDistance_m(const SimulatedCell& cell) {
-  const Eigen::Vector3d center_W(0, 0, cell.bin().inner_size_m.z() / 4);
-  return (cell.camera().X_CW() * center_W).z();
+  return WorkingDistance_m(cell.camera(), cell.bin().inner_size_m.z());
 }
 
 EstimatorRunner::EstimatorRunner(const SimulatedCell& cell, const ScenarioSpec& spec, int threads,
@@ -88,7 +70,8 @@ EstimatorRunner::EstimatorRunner(const SimulatedCell& cell, const ScenarioSpec& 
   setup.refiner = spec.refiner;
   setup.intrinsics = cell.camera().intrinsics;
   setup.working_distance_m = WorkingDistance_m(cell);
-  RequireVisibleSize(spec, setup);
+  const std::string too_small = TooSmallText(spec, cell.objects());
+  CheckInput(too_small.empty(), too_small);
   setup.cache_dir = CacheDir();
   setup.threads = threads;
   setup.on_progress = on_progress;
@@ -136,11 +119,11 @@ EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, const CellCalib
     result = estimator_->Estimate(input, rng);
     DropNotFinite(result.hypotheses);
     UseObjectsOfCell(result.hypotheses);
-    KeepThoseInBin(cell_, calibration, result.hypotheses);
+    RemoveOutsideBin(cell_, calibration, result.hypotheses);
     if (region) KeepPosesIn(*region, frame.intrinsics, cell_.objects(), result.hypotheses);
     if (trace) {
       Renumber(cell_.wanted(), *trace);
-      KeepThoseInBin(cell_, calibration, trace->accepted);
+      RemoveOutsideBin(cell_, calibration, trace->accepted);
       if (region) KeepPosesIn(*region, frame.intrinsics, cell_.objects(), trace->accepted);
     }
   }

@@ -23,14 +23,11 @@ std::unique_ptr<LabelledViewSource> CellViews(const SimulatedCell& cell, const O
 // Removes hypotheses whose center of mass is beside or below the cell's bin, where the calibration
 // assumes it. Noise at the edge of the rim can look like an instance that hangs outside, where no
 // depth contradicts it. PoseHypothesis::object is an index into cell.objects().
-void KeepThoseInBin(const SimulatedCell& cell, const CellCalibration& calibration,
+void RemoveOutsideBin(const SimulatedCell& cell, const CellCalibration& calibration,
                     std::vector<PoseHypothesis>& hypotheses);
 
-// Returns the depth along camera z of the objects, at a quarter of the bin height.
+// Returns the depth along camera z of the objects, see eval/cell/visible_size.h.
 double WorkingDistance_m(const SimulatedCell& cell);
-
-// Diameter in the image below which no estimator finds an object, px.
-inline constexpr double kMinDiameter_px = 20;
 
 // Holds the estimator of a scenario.
 class EstimatorRunner {
@@ -45,7 +42,7 @@ class EstimatorRunner {
   // `log_dir`: folder for the output of an estimator that is another program; empty = not kept.
   // Throws InputError that begins with the key "estimator" for an unknown name or mode and for a
   // broken model file, and one with the key "camera.eye_m" if an object is smaller than
-  // kMinDiameter_px in the image.
+  // kMinVisibleDiameter_px in the image.
   EstimatorRunner(const SimulatedCell& cell, const ScenarioSpec& spec, int threads,
                   const Progress& on_progress, const std::filesystem::path& log_dir = {});
   ~EstimatorRunner();

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -62,6 +64,18 @@ bool IsImageName(std::string_view word) {
 }
 
 std::string Shown(std::string_view word) { return "'" + OneLine(std::string(word)) + "'"; }
+
+bool IsKnown(std::string_view kind) {
+  const auto& others = OtherStatements();
+  return NumberStatements().contains(kind) ||
+         std::find(others.begin(), others.end(), kind) != others.end();
+}
+
+// Names may have any encoding.
+bool IsText(const std::string& line) {
+  return std::none_of(line.begin(), line.end(),
+                      [](unsigned char c) { return std::iscntrl(c) && c != '\t' && c != '\r'; });
+}
 
 std::string FaultOfNumbers(const Words& words, const Numbers& form) {
   const size_t count = words.size() - 1;
@@ -129,13 +143,14 @@ bool IsNoMaterial(const std::string& name) {
   return name.empty() || name == "None" || name == "none" || name == "(null)" || name == "default";
 }
 
-// Whether the last line, which has no line end, may be cut: it begins a material without values, or
-// names a texture that is not there and has no extension of an image.
+// Whether the last line, which has no line end, may be cut: it begins a material, has a word
+// without values or one that is unknown, or names a texture that is not there and has no extension
+// of an image.
 bool IsCutIn(const std::string& line, const std::filesystem::path& material) {
   const Words words = WordsOf(line);
   if (words.empty()) return false;
-  if (words.front() == "newmtl") return true;
-  if (!words.front().starts_with("map_")) return false;
+  if (words.front() == "newmtl" || words.size() == 1) return true;
+  if (!words.front().starts_with("map_")) return !IsKnown(words.front());
   const std::filesystem::path texture = std::string(words.back());
   std::error_code error;
   return !IsImageName(words.back()) &&
@@ -170,6 +185,7 @@ void CheckMaterialFile(const std::filesystem::path& mesh, const std::filesystem:
   }
   size_t number = 0;
   bool has_material = false;
+  std::set<std::string, std::less<>> kinds;  // statements of the current material
   for (std::string line; std::getline(file, line);) {
     ++number;
     if (file.eof() && IsCutIn(line, material)) {
@@ -181,8 +197,16 @@ void CheckMaterialFile(const std::filesystem::path& mesh, const std::filesystem:
     const Words words = WordsOf(line);
     if (words.empty()) continue;
     std::string fault = FaultOf(words);
-    has_material |= words.front() == "newmtl";
+    if (fault.empty() && !IsText(line)) fault = "has bytes that are no text";
+    if (words.front() == "newmtl") {
+      has_material = true;
+      kinds.clear();
+    }
     if (fault.empty() && !has_material) fault = "is before the first newmtl";
+    const bool is_repeatable = words.front() == "refl";  // one for each side of a cube
+    if (!kinds.emplace(words.front()).second && fault.empty() && !is_repeatable) {
+      fault = fmt::format("has {} for the second time; keep one", words.front());
+    }
     if (fault.empty()) continue;
     RefuseUnreadable(mesh, fmt::format("line {} of its material file '{}' {}", number,
                                        material.string(), fault));

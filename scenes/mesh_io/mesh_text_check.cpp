@@ -6,10 +6,12 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -166,9 +168,17 @@ class StlWords {
     std::string rest;
     std::getline(file_, rest);
   }
+  // Some programs write "nan" for the normal of a facet without area.
+  void ExpectNormal() {
+    for (int i = 0; i < 3; ++i) {
+      const std::string word = Next();
+      const std::optional<double> value = NumberIn(word);
+      if (!value || std::isinf(*value)) Refuse(word, "number");
+    }
+  }
   void ReadFacet() {
     Expect("normal");
-    ExpectNumbers();
+    ExpectNormal();
     Expect("outer");
     Expect("loop");
     for (int corner = 0; corner < 3; ++corner) {

@@ -39,9 +39,12 @@ struct CellErrorsSpec {
   // Returns whether every error is 0.
   bool off() const;
 
-  // Throws InputError if a position error is larger than the bin, which has this inner size (m).
-  // `at` converts a key such as "hand_eye_mm" into its name in the message.
-  void Validate(const Eigen::Vector3d& bin_inner_size_m,
+  // Throws InputError if an error displaces instances by more than the width of the bin.
+  // - bin_inner_size_m: length, width and height
+  // - distance_m: from the camera to the bin
+  // - focal_px: focal length of the camera
+  // - at: converts a key such as "hand_eye_mm" into its name in the message
+  void Validate(const Eigen::Vector3d& bin_inner_size_m, double distance_m, double focal_px,
                 const std::function<std::string(const std::string& key)>& at) const;
 };
 

@@ -393,7 +393,9 @@ void ScenarioSpec::Validate() const {
     WithSettingsKey(*this, key, [&] { return ParseNetworkAddress(*address); });
   }
   appearance.Validate([this](const std::string& key) { return At("appearance." + key); });
-  cell.Validate(bin.inner_size_m, [this](const std::string& key) { return At("cell." + key); });
+  const Camera view = CameraOf(*this);
+  cell.Validate(bin.inner_size_m, view.X_CW().translation().norm(), view.intrinsics.fx(),
+                [this](const std::string& key) { return At("cell." + key); });
   if (occlusion.enabled) {
     occlusion.Validate([this](const std::string& key) { return At("occlusion." + key); });
   }

@@ -113,7 +113,7 @@ CertifiedScene MakeScene(const SceneRequest& request, const DropOptions& options
   if (samples.made) return *std::move(samples.made);
   throw InputError(
       fmt::format("trial {}: {} scenes in a row were refused, the last because {}; drop fewer "
-                  "objects or use a larger bin",
+                  "objects, lower the fill or use a larger bin",
                   request.bin_index, max_attempts, fmt::join(samples.refused.back().faults, ", ")));
 }
 

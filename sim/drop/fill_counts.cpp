@@ -38,6 +38,32 @@ double MeanVolume_m3(const ObjectSet& objects, const std::vector<int>& shares) {
   return sum_m3 / Total(shares);
 }
 
+// A drop for the measurement of a fill level.
+struct MeasuredDrop {
+  double instances = 0, level = 0;
+  bool is_lost = false;  // an instance fell out of the bin
+};
+
+// Throws unless bins of the final number of instances have nearly the wanted level. A few large
+// instances pile up differently in each bin, and a certified scene has no instance outside.
+void RequireSteadyLevel(const std::vector<MeasuredDrop>& drops, double fill, double final_total) {
+  constexpr double kMaxDeviation = 0.25;  // of the wanted level
+  double lowest = fill, highest = fill;
+  int lost = 0;
+  for (size_t i = 1; i < drops.size(); ++i) {  // the count of the first one is only a guess
+    const double level = drops[i].level * final_total / drops[i].instances;
+    lowest = std::min(lowest, level);
+    highest = std::max(highest, level);
+    lost += drops[i].is_lost;
+  }
+  CheckInput(
+      lost < 2 && lowest > (1 - kMaxDeviation) * fill && highest < (1 + kMaxDeviation) * fill,
+      fmt::format("{} cannot be kept with these objects: bins of {:.0f} instances have levels of "
+                  "{:.2f} to {:.2f}, and instances fall out in {} of {}; choose a lower fill, "
+                  "smaller objects or a larger bin",
+                  fill, final_total, lowest, highest, lost, drops.size() - 1));
+}
+
 // The height of a pile is nearly proportional to its number of instances. The ratio is taken over
 // all drops, because the height varies by some percent from drop to drop.
 std::vector<int> MeasuredCounts(const Bin& bin, const ObjectSet& objects,
@@ -50,6 +76,7 @@ std::vector<int> MeasuredCounts(const Bin& bin, const ObjectSet& objects,
   double total =
       fill * bin.inner_size_m.prod() * kFirstPackedShare / MeanVolume_m3(objects, shares);
   double sum_total = 0, sum_level = 0;
+  std::vector<MeasuredDrop> drops;
   for (int drop = 0; drop < kDrops; ++drop) {
     CheckInput(total <= kMaxInstances,
                fmt::format("{} takes over {} instances; use larger objects, a smaller bin or a "
@@ -68,10 +95,12 @@ std::vector<int> MeasuredCounts(const Bin& bin, const ObjectSet& objects,
     CheckInput(level > 0, fmt::format("{} cannot be measured: no instance is in the bin, or they "
                                       "are too small for it; use larger objects or a smaller bin",
                                       fill));
+    drops.push_back({Total(counts), level, outside > 0});
     sum_total += Total(counts);
     sum_level += level;
     total = sum_total * fill / sum_level;
   }
+  RequireSteadyLevel(drops, fill, total);
   const std::vector<int> counts = Distributed(shares, total);
   const double expected = fill * Total(counts) / total;
   CheckInput(expected < 1.5 * fill,
@@ -84,7 +113,7 @@ std::vector<int> MeasuredCounts(const Bin& bin, const ObjectSet& objects,
 std::filesystem::path FileOf(const Bin& bin, const ObjectSet& objects,
                              const std::vector<int>& shares, double fill,
                              const DropOptions& options) {
-  constexpr int kVersion = 1;  // raise it when drops or the measurement change
+  constexpr int kVersion = 2;  // raise it when drops or the measurement change
   DropOptions copy = options;
   std::string key = fmt::format("{} {} {} {} {} {} {} {}", kVersion, bin.inner_size_m.x(),
                                 bin.inner_size_m.y(), bin.inner_size_m.z(), bin.wall_m,

@@ -4,6 +4,10 @@ drop_and_render_write_their_files() {
   expect 0 "$pickbed" drop small.yaml --out drop
   [ "$(grep -c '"instance"' drop/scene.json)" = 5 ] || fail "scene.json does not have 5 instances"
   [ -s drop/color.png ] || fail "no picture"
+  refused "gripper" "$pickbed" drop small.yaml --set gripper=nonsense --out no
+  [ ! -e no ] || fail "a refused gripper left a folder"
+  expect 0 "$pickbed" drop small.yaml --set camera.focal_px=60 --out small
+  grep -q "^note: .* px large .* an estimator needs 20 px" last.err || fail "no note on the size"
   expect 0 "$pickbed" render small.yaml --out render
   for file in color.png depth.png depth_color.png ids.png ids_color.png visible.csv; do
     [ -s "render/$file" ] || fail "no $file"

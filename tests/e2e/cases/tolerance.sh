@@ -38,6 +38,18 @@ tolerance_maps_forecast_the_picks_of_a_run() {
     fail "hypotheses have no pick probability"
   expect 0 "$pickbed" run here.yaml "${noisy[@]}" --tolerance maps/rod/model.yaml --out two --jobs 1
   for file in attempts.csv pick_chances.csv summary.json; do same "one/$file" "two/$file"; done
+  cat >sweep.yaml <<'YAML'
+scenario: here.yaml
+trials: 1
+set: {estimator.name: oracle}
+grid:
+  gripper: [jaw_8cm]
+  cell.hand_eye_mm: [0, 4]
+YAML
+  expect 0 "$pickbed" sweep sweep.yaml --out swept
+  expect 0 "$pickbed" report swept --tolerance maps --out forecast.html
+  page forecast.html "Errors of the cell: "
+  page forecast.html "forecast"
   expect 0 "$pickbed" budget one --stages none --tolerance maps
   page one/budget/index.html "Prediction of picks from pose errors"
   page one/budget/index.html "bins are too few"

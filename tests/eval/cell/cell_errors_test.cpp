@@ -236,7 +236,7 @@ TEST(CellErrors, AssumedBinDecidesWhichPosesAreInside) {
     errors.bin_m = bin_m;
     std::vector<PoseHypothesis> hypotheses{
         {ObjectId{0}, cell.camera().X_CW() * Translation(p_W), 0.9, {}}};
-    KeepThoseInBin(cell, CalibrationOf(cell.camera(), errors), hypotheses);
+    RemoveOutsideBin(cell, CalibrationOf(cell.camera(), errors), hypotheses);
     return !hypotheses.empty();
   };
   const Vector3d beside(0.25, 0, 0.02);

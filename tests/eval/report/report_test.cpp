@@ -1,5 +1,6 @@
 #include "eval/report/report.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <fstream>
@@ -85,6 +86,39 @@ TEST_F(RunReportPageTest, ComparisonNamesTheSettingsThatDiffer) {
   const std::filesystem::path same = temporary_.path() / "same";
   WriteRun(same, StubTrials(kTrials));
   EXPECT_THAT(page_of(run_, same), HasSubstr("All settings that affect the results are equal."));
+}
+
+TEST_F(RunReportPageTest, ASweepStatesTheErrorsOfTheCell) {
+  const auto text_of = [&](const std::string& name, const std::vector<std::string>& cells) {
+    const std::filesystem::path folder = temporary_.path() / name;
+    MakeFolder(folder);
+    StoreHead head;
+    for (const std::string& cell : cells) {
+      const std::string settings = fmt::format(
+          "objects: [{{name: rod, count: 6}}, {{name: flange, count: 6}}]\ncell: {{{}}}\n", cell);
+      head.identity += settings;
+      head.configurations.push_back({.number = static_cast<int>(head.configurations.size()),
+                                     .name = "c" + std::to_string(head.configurations.size()),
+                                     .first_trial = kTrials * int(head.configurations.size()),
+                                     .trials = kTrials,
+                                     .identity = settings,
+                                     .settings = settings});
+    }
+    ResultsStore store(folder, head);
+    for (size_t i = 0; i < cells.size(); ++i) {
+      for (TrialResult trial : StubTrials(kTrials)) {
+        trial.trial += kTrials * static_cast<int>(i);
+        trial.configuration = static_cast<int>(i);
+        store.Write(trial);
+      }
+    }
+    return PageOf(folder);
+  };
+  EXPECT_THAT(text_of("same", {"hand_eye_mm: 2", "hand_eye_mm: 2"}),
+              HasSubstr("Errors of the cell: hand_eye_mm 2."));
+  EXPECT_THAT(text_of("swept", {"", "hand_eye_mm: 2"}),
+              HasSubstr("Errors of the cell: c0: none; c1: hand_eye_mm 2."));
+  EXPECT_THAT(text_of("exact", {"", ""}), Not(HasSubstr("Errors of the cell")));
 }
 
 TEST_F(RunReportPageTest, ARunWithoutPosesHasNoChartsOfPoses) {

@@ -285,6 +285,13 @@ TEST_F(ResultsSchemaTest, RefusesUnknownVersionsInOneLine) {
   }
 }
 
+TEST_F(ResultsSchemaTest, BytesAfterTheLastPageAreRefused) {
+  ResultsStore(folder_, "s").Write(FullTrial(0));
+  std::ofstream(folder_ / "results.sqlite", std::ios::app) << "x";
+  EXPECT_THAT(ErrorOf([&] { ResultsStore::OpenToRead(folder_); }),
+              HasSubstr("has 1 bytes after its last page"));
+}
+
 TEST_F(ResultsSchemaTest, TruncatedFileIsRefusedWhenOpened) {
   {
     ResultsStore store(folder_, "s");

@@ -209,7 +209,11 @@ TEST(Summarize, PicksPerHourFollowFromGivenTimes) {
   EXPECT_DOUBLE_EQ(stated.cycle.compute_s, 4);
   EXPECT_DOUBLE_EQ(stated.cycle.move_s, 9);
   EXPECT_DOUBLE_EQ(stated.cycle.picks_per_hour(), 240);
-  EXPECT_EQ(nlohmann::json::parse(SummaryJson(stated))["picks_per_hour"], 240);
+  const auto json = nlohmann::json::parse(SummaryJson(stated));
+  EXPECT_EQ(json["picks_per_hour"], 240);
+  EXPECT_EQ(json["cycle"]["move_s"], 9);
+  EXPECT_EQ(json["cycle"]["compute_s"], 4);
+  EXPECT_EQ(json["cycle"]["hidden_s"], 0);
   EXPECT_NE(SummaryTable(stated).find("240"), std::string::npos);
 }
 

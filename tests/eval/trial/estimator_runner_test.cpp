@@ -12,7 +12,7 @@ namespace pickbed::tests {
 namespace {
 
 // A reported pose must be above the bin floor and between the walls.
-TEST(KeepThoseInBin, RemovesPosesBesideOrBelowTheBin) {
+TEST(RemoveOutsideBin, RemovesPosesBesideOrBelowTheBin) {
   ScenarioSpec spec = CubeScenario(1);
   spec.bin.inner_size_m = {0.4, 0.3, 0.15};
   const SimulatedCell cell(spec, EasyCube());
@@ -27,7 +27,7 @@ TEST(KeepThoseInBin, RemovesPosesBesideOrBelowTheBin) {
     hypotheses.push_back(at(outside[i]));
     if (i < inside.size()) hypotheses.push_back(at(inside[i]));
   }
-  KeepThoseInBin(cell, {cell.camera(), std::nullopt}, hypotheses);
+  RemoveOutsideBin(cell, {cell.camera(), std::nullopt}, hypotheses);
   ASSERT_EQ(hypotheses.size(), inside.size());
   for (size_t i = 0; i < inside.size(); ++i) {
     EXPECT_TRUE(

@@ -39,6 +39,11 @@ TEST(MaterialFile, WordsAndNumbersAreChecked) {
       {"a texture of an unknown word", begin + "matl d a.png\n", "the unknown word 'matl'"},
       {"no word", begin + "K\x01 1 0 0\n", "which is no word"},
       {"no name", begin + "map_Kd\n", "has nothing after map_Kd"},
+      {"two textures", begin + "map_Kd a.png\nmap_Kd b.png\n", "has map_Kd for the second time"},
+      {"sides of a cube", begin + "refl -type cube_top a.png\nrefl -type cube_left a.png\n", ""},
+      {"two materials", begin + "Kd 1 0 0\nnewmtl blue\nKd 0 0 1\n", ""},
+      {"control character", begin + "map_Kd a\x1a.png\n", "bytes that are no text"},
+      {"cut in a word", begin + "map", "has no end"},
       {"no material", "Kd 1 0 0\n", "is before the first newmtl"},
   };
   for (const MaterialCase& test : cases) {

@@ -60,6 +60,22 @@ TEST(CellErrorsSpec, ErrorLargerThanTheBinIsRefusedWithItsPlace) {
   }
 }
 
+// The camera is about 0.9 m away, and the bin is 300 mm wide.
+TEST(CellErrorsSpec, ErrorThatDisplacesThePartsByMoreThanTheBinIsRefused) {
+  const auto accepts = [](const std::string& key, int value) {
+    EXPECT_EQ(ErrorOfCell(fmt::format("  {}: {}\n", key, value)), "no error") << key;
+  };
+  const auto refuses = [](const std::string& key, int value) {
+    EXPECT_THAT(ErrorOfCell(fmt::format("  {}: {}\n", key, value)),
+                AllOf(HasSubstr(fmt::format("cell.yaml:4: cell.{} = {}: displaces", key, value)),
+                      HasSubstr("300 mm; lower it")));
+  };
+  accepts("hand_eye_deg", 10);
+  refuses("hand_eye_deg", 25);
+  accepts("principal_px", 50);
+  refuses("principal_px", 800);
+}
+
 // Factors of force, friction, mass and size must stay positive at the largest deviate.
 TEST(CellErrorsSpec, PercentagesLeaveEveryFactorPositive) {
   for (const std::string key : {"force_percent", "friction_percent", "mass_percent", "size_percent",

@@ -40,6 +40,28 @@ TEST_F(ScenarioFile, PresetsLoadAndReadBackUnchanged) {
   }
 }
 
+// Industrial cameras look at such bins from 1 to 1.3 m. The presets say where the pile begins.
+TEST_F(ScenarioFile, DeepPresetsAreFilledBinsSeenFromAnIndustrialDistance) {
+  int presets = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(PICKBED_SOURCE_DIR) + "/scenes/presets")) {
+    const std::string name = entry.path().stem();
+    if (!name.starts_with("deep_")) continue;
+    const ScenarioSpec spec = LoadScenario(entry.path());
+    if (spec.fill == 0) continue;  // deep_huge and deep_unknown give counts
+    ++presets;
+    EXPECT_EQ(spec.arrangement, "pile") << name;
+    EXPECT_NEAR(spec.fill, 0.66, 1e-9) << name;
+    EXPECT_EQ(spec.camera.width, 1224) << name;
+    EXPECT_EQ(spec.camera.height, 1024) << name;
+    const double fill_height_m = spec.fill * spec.bin.inner_size_m.z();
+    const double distance_m = (CameraOf(spec).X_CW() * Eigen::Vector3d(0, 0, fill_height_m)).z();
+    EXPECT_GT(distance_m, 0.95) << name;
+    EXPECT_LT(distance_m, 1.4) << name;
+  }
+  EXPECT_EQ(presets, 13) << "twelve parts and a mixed bin";
+}
+
 TEST_F(ScenarioFile, FormerNameOfARefinerIsRead) {
   const std::filesystem::path file =
       folder_.Write("scenario.yaml", "objects: [{name: rod, count: 2}]\nrefiner: two_way_icp\n");

@@ -66,6 +66,13 @@ TEST_F(FillCounts, RefusesALevelThatOverflows) {
   EXPECT_NE(error.find("cannot be reached"), std::string::npos) << error;
 }
 
+// A few bricks fill the bin, and each drop stacks them in another way.
+TEST_F(FillCounts, RefusesALevelThatDiffersFromDropToDrop) {
+  const ObjectSet objects{BoxObject({0.1, 0.08, 0.06}, 0.2)};
+  const std::string error = ErrorOf([&] { CountsForFill(kFilledBin, objects, {1}, 0.95); });
+  EXPECT_NE(error.find("cannot be kept"), std::string::npos) << error;
+}
+
 TEST_F(FillCounts, RefusesATable) {
   const ObjectSet objects{BoxObject({0.03, 0.03, 0.03}, 0.05)};
   const std::string error = ErrorOf([&] { CountsForFill(Bin{{0.2, 0.15, 0}}, objects, {1}, 0.5); });
