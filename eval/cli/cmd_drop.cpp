@@ -11,7 +11,6 @@
 #include "eval/summary/clutter_json.h"
 #include "eval/summary/setting_notes.h"
 #include "eval/trial/clutter.h"
-#include "grasp/planners/table.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 
@@ -21,7 +20,7 @@ namespace {
 // Returns what plans the grasps that are counted, at true poses, so that no estimator is loaded.
 // Null for a planner without poses, which has no such grasps.
 std::unique_ptr<TrialSetup> GraspCounter(const LoadedScenario& scenario) {
-  if (!PlannerNamed(scenario.spec.planner.name).needs_poses) return nullptr;
+  if (!NeedsPoses(scenario.spec)) return nullptr;
   TrialOptions options;
   options.truth = {true, true, true, true, false};
   return std::make_unique<TrialSetup>(scenario.spec, scenario.objects, TrialSetup::Progress{},

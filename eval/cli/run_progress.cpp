@@ -5,8 +5,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "eval/summary/setting_notes.h"
 #include "grasp/grippers/tools.h"
-#include "grasp/planners/table.h"
 #include "scenes/base/ids_format.h"
 #include "sim/convex/convex_pieces.h"
 #include "sim/drop/resting_poses.h"
@@ -59,7 +59,7 @@ ObjectProgress ShowObjectsOn(ProgressLine& progress) {
 }
 
 std::string UnfitTools(const ScenarioSpec& spec, const ObjectSet& objects) {
-  if (spec.gripper.names.size() == 1 || !PlannerNamed(spec.planner.name).needs_poses) return {};
+  if (spec.gripper.names.size() == 1 || !NeedsPoses(spec)) return {};
   ObjectSet wanted;
   for (size_t i = 0; i < objects.size(); ++i) {
     if (!spec.objects[i].distractor) wanted.push_back(objects[i]);

@@ -13,7 +13,8 @@
 namespace pickbed::eval {
 namespace {
 
-// Settings whose key begins with `prefix`, and why they are not used.
+// Settings whose key begins with `prefix`, and why they are not used. "estimator.mode" is also the
+// begin of estimator.model.
 struct UnusedRow {
   std::string_view prefix;
   bool is_unused = false;
@@ -22,7 +23,7 @@ struct UnusedRow {
 
 std::vector<UnusedRow> RowsOf(const ScenarioSpec& spec) {
   const PolicySpec& policy = spec.policy;
-  const bool has_poses = PlannerNamed(spec.planner.name).needs_poses;
+  const bool has_poses = NeedsPoses(spec);
   const bool is_oracle = has_poses && !LoadsEstimator(spec);
   const std::string without_poses =
       fmt::format("planner {} works without poses", spec.planner.name);
@@ -32,8 +33,6 @@ std::vector<UnusedRow> RowsOf(const ScenarioSpec& spec) {
       {"estimator.", !has_poses, without_poses},
       {"refiner", !has_poses, without_poses},
       {"estimator.mode", is_oracle, oracle},
-      {"estimator.model", is_oracle, oracle},
-      {"policy.stir.after_failures", policy.stir.max == 0, "policy.stir.max is 0"},
       {"policy.stir.after", policy.stir.max == 0, "policy.stir.max is 0"},
       {"policy.stir.", policy.stir.max > 0 && policy.stop == "one_pick",
        "policy.stop is one_pick, so a trial ends before a stir"},
@@ -45,6 +44,11 @@ std::vector<UnusedRow> RowsOf(const ScenarioSpec& spec) {
 }
 
 }  // namespace
+
+bool NeedsPoses(const ScenarioSpec& spec) {
+  return WithSettingsKey(spec, "planner.name",
+                         [&] { return PlannerNamed(spec.planner.name).needs_poses; });
+}
 
 std::string UnusedSettings(const ScenarioSpec& spec) {
   std::string notes;
@@ -61,7 +65,7 @@ std::string UnusedSettings(const ScenarioSpec& spec) {
 }
 
 bool LoadsEstimator(const ScenarioSpec& spec) {
-  return PlannerNamed(spec.planner.name).needs_poses && spec.estimator.name != kOracleName;
+  return NeedsPoses(spec) && spec.estimator.name != kOracleName;
 }
 
 std::string SmallObjectNote(const ScenarioSpec& spec, const ObjectSet& objects) {

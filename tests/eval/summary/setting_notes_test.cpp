@@ -5,6 +5,7 @@
 
 #include "scenes/base/settings.h"
 #include "tests/eval/cube_scenario.h"
+#include "tests/support/error_of.h"
 
 namespace pickbed::tests {
 namespace {
@@ -28,7 +29,11 @@ TEST(UnusedSettings, NamesEachSettingThatChangesNothing) {
   EXPECT_EQ(UnusedSettings(With({"estimator.mode=first"})),
             "note: setting estimator.mode=first is not used: the oracle takes poses from the "
             "scene\n");
-  EXPECT_THAT(UnusedSettings(With({"policy.stir.after_failures=3"})), HasSubstr("stir.max is 0"));
+  EXPECT_EQ(UnusedSettings(With({"policy.stir.after_failures=3"})),
+            "note: setting policy.stir.after_failures=3 is not used: policy.stir.max is 0\n");
+  EXPECT_EQ(UnusedSettings(With({"estimator.model=a.net"})),
+            "note: setting estimator.model=a.net is not used: the oracle takes poses from the "
+            "scene\n");
   EXPECT_THAT(UnusedSettings(With({"policy.stir.max=3", "policy.stop=one_pick"})),
               HasSubstr("policy.stir.max=3 is not used"));
   EXPECT_THAT(UnusedSettings(With({"policy.tolerance_maps=maps"})),
@@ -42,6 +47,11 @@ TEST(UnusedSettings, DoesNotNameSettingsThatAreUsed) {
   EXPECT_EQ(UnusedSettings(With({"estimator.name=ppf", "estimator.mode=verified"})), "");
   EXPECT_EQ(UnusedSettings(With({"policy.ranking=tolerance", "policy.tolerance_maps=maps"})), "");
   EXPECT_EQ(UnusedSettings(With({"policy.check_lift=true", "policy.lift_clearance_mm=2"})), "");
+}
+
+TEST(NeedsPoses, NamesThePlaceOfAnUnknownPlanner) {
+  EXPECT_THAT(ErrorOf([] { NeedsPoses(With({"planner.name=x"})); }),
+              testing::StartsWith("setting planner.name=x: planner.name: unknown planner 'x'"));
 }
 
 // The file of a preset has settings for its own estimator.
