@@ -307,8 +307,8 @@ ResultColumns SummaryKeys() {
               "number of grasps executed at a band of fill levels, percent of the bin's height",
               "successes", "number of these that succeeded", keys);
   AddRateKeys("success_by_layer.LAYER", "executed_grasps",
-              "number of grasps executed at an instance of this layer, 1 = top; 5- counts all "
-              "from the fifth",
+              "number of grasps executed at an instance of this layer: layer_1 is the top one, "
+              "layer_5- counts all from the fifth",
               "successes", "number of these that succeeded", keys);
   add({
       {"scenes_refused[].trial", "trial of a drop that failed the certificate"},

@@ -355,7 +355,7 @@ std::string SummaryJson(const RunSummary& s) {
   }
   auto& by_layer = json["success_by_layer"] = nlohmann::ordered_json::object();
   for (const LayerRate& layer : s.by_layer) {
-    by_layer[layer.name()] = RateObject("executed_grasps", "successes", layer.success);
+    by_layer["layer_" + layer.name()] = RateObject("executed_grasps", "successes", layer.success);
   }
   for (const BandStatistics& band : s.bands) json["target_by_visibility"].push_back(JsonOf(band));
   json["scenes_refused"] = nlohmann::ordered_json::array();

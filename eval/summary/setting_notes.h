@@ -10,8 +10,8 @@
 
 namespace pickbed::eval {
 
-// Returns whether the planner of this scenario works with poses. Throws InputError with the place of
-// planner.name if it is unknown.
+// Returns whether the planner of this scenario works with poses. Throws InputError with the place
+// of planner.name if it is unknown.
 bool NeedsPoses(const ScenarioSpec& spec);
 
 // Returns one line for each setting from the command line that this scenario does not use, such as

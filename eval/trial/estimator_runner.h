@@ -24,7 +24,7 @@ std::unique_ptr<LabelledViewSource> CellViews(const SimulatedCell& cell, const O
 // assumes it. Noise at the edge of the rim can look like an instance that hangs outside, where no
 // depth contradicts it. PoseHypothesis::object is an index into cell.objects().
 void RemoveOutsideBin(const SimulatedCell& cell, const CellCalibration& calibration,
-                    std::vector<PoseHypothesis>& hypotheses);
+                      std::vector<PoseHypothesis>& hypotheses);
 
 // Returns the depth along camera z of the objects, see eval/cell/visible_size.h.
 double WorkingDistance_m(const SimulatedCell& cell);

@@ -95,7 +95,7 @@ TEST(MakeScene, OverfilledBinIsRefusedWithAReason) {
     const std::string message = error.what();
     EXPECT_NE(message.find("trial 3: 2 scenes in a row were refused"), std::string::npos);
     EXPECT_NE(message.find("fell outside the bin"), std::string::npos);
-    EXPECT_NE(message.find("fewer objects or use a larger bin"), std::string::npos);
+    EXPECT_NE(message.find("fewer objects, lower the fill or use a larger bin"), std::string::npos);
   }
 }
 
