@@ -473,5 +473,15 @@ TEST(CellErrors, AttemptErrorsChangeOnlyTheExecution) {
             wrong.attempts[0].hashes[TrialStage::kOutcome]);
 }
 
+// Every drop of so many cubes loses some over the rim.
+TEST(SimulatedCell, NamesTheSettingOfABinThatCannotBeFilled) {
+  ScenarioSpec spec = CubeScenario(16);
+  spec.bin.inner_size_m = {0.06, 0.06, 0.03};
+  const auto make = [&] { SimulatedCell(spec, EasyCube()).MakeScene(BinIndex(0)); };
+  EXPECT_THAT(ErrorOf(make), testing::StartsWith("objects: trial 0: 10 scenes in a row"));
+  spec.cell.size_percent = 1;
+  EXPECT_THAT(ErrorOf(make), testing::HasSubstr("or lower cell.size_percent"));
+}
+
 }  // namespace
 }  // namespace pickbed::tests
