@@ -6,25 +6,31 @@
 
 namespace pickbed::eval {
 
-RetentionStatistics RetentionOf(const std::vector<TrialResult>& trials) {
-  ValueClusters loads_g(1);
+namespace {
+
+// Returns this value of all attempts that have it. A negative one was not measured.
+ValueClusters Measured(const std::vector<TrialResult>& trials, double GraspOutcome::*value) {
+  ValueClusters measured(1);
   for (const TrialResult& trial : trials) {
     for (const AttemptRecord& attempt : trial.attempts) {
-      if (attempt.outcome.retention_g >= 0) loads_g[0].push_back(attempt.outcome.retention_g);
+      if (attempt.outcome.*value >= 0) measured[0].push_back(attempt.outcome.*value);
     }
   }
-  if (loads_g[0].empty()) return {};
-  return {static_cast<int>(loads_g[0].size()),
-          *std::min_element(loads_g[0].begin(), loads_g[0].end()), MedianOf(loads_g)};
+  return measured;
+}
+
+}  // namespace
+
+RetentionStatistics RetentionOf(const std::vector<TrialResult>& trials) {
+  const ValueClusters loads_g = Measured(trials, &GraspOutcome::retention_g);
+  const std::vector<double>& all_g = loads_g[0];
+  if (all_g.empty()) return {};
+  return {static_cast<int>(all_g.size()), *std::min_element(all_g.begin(), all_g.end()),
+          MedianOf(loads_g)};
 }
 
 DropTimes DropTimesOf(const std::vector<TrialResult>& trials) {
-  ValueClusters times_s(1);
-  for (const TrialResult& trial : trials) {
-    for (const AttemptRecord& attempt : trial.attempts) {
-      if (attempt.outcome.drop_time_s >= 0) times_s[0].push_back(attempt.outcome.drop_time_s);
-    }
-  }
+  const ValueClusters times_s = Measured(trials, &GraspOutcome::drop_time_s);
   if (times_s[0].empty()) return {};
   return {static_cast<int>(times_s[0].size()), MedianOf(times_s)};
 }

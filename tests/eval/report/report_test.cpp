@@ -121,6 +121,20 @@ TEST_F(RunReportPageTest, ASweepStatesTheErrorsOfTheCell) {
   EXPECT_THAT(text_of("exact", {"", ""}), Not(HasSubstr("Errors of the cell")));
 }
 
+TEST_F(RunReportPageTest, ShowsSuccessByLayerIfThereAreSeveral) {
+  std::vector<TrialResult> trials = StubTrials(kTrials);
+  const auto page_with_layers = [&](const std::string& name, int layers) {
+    int attempts = 0;
+    for (TrialResult& trial : trials) {
+      for (AttemptRecord& attempt : trial.attempts) attempt.layer = 1 + attempts++ % layers;
+    }
+    WriteRun(temporary_.path() / name, trials);
+    return PageOf(temporary_.path() / name);
+  };
+  EXPECT_THAT(page_with_layers("one", 1), Not(HasSubstr("Success by layer")));
+  EXPECT_THAT(page_with_layers("two", 2), HasSubstr("Success by layer"));
+}
+
 TEST_F(RunReportPageTest, ARunWithoutPosesHasNoChartsOfPoses) {
   EXPECT_THAT(Page(), AllOf(HasSubstr("Pose error"), HasSubstr("Calibration of the score")));
   std::vector<TrialResult> trials = StubTrials(kTrials);
