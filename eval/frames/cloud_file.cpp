@@ -1,6 +1,7 @@
 #include "eval/frames/cloud_file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -54,14 +55,24 @@ int WholeNumber(const std::vector<std::string>& words, const std::string& name) 
 
 void RequireViewpoint(const std::vector<std::string>& words, const std::string& name) {
   constexpr size_t kNumbers = 7;  // position and quaternion
-  const auto is_number = [](const std::string& word) {
+  constexpr size_t kPosition = 3;
+  constexpr double kRounding = 0.01;  // of the norm
+  std::vector<double> numbers;
+  for (size_t i = 1; i < words.size(); ++i) {
     double number = 0;
-    const char* const end = word.data() + word.size();
-    const auto [after, error] = std::from_chars(word.data(), end, number);
-    return error == std::errc() && after == end && std::isfinite(number);
-  };
-  CheckInput(words.size() == 1 + kNumbers && std::all_of(words.begin() + 1, words.end(), is_number),
+    const char* const end = words[i].data() + words[i].size();
+    const auto [after, error] = std::from_chars(words[i].data(), end, number);
+    if (error == std::errc() && after == end && std::isfinite(number)) numbers.push_back(number);
+  }
+  CheckInput(numbers.size() == kNumbers && words.size() == 1 + kNumbers,
              name + ": VIEWPOINT of the PCD file has no seven numbers; get the file again");
+  double squared_norm = 0;
+  for (size_t i = kPosition; i < kNumbers; ++i) squared_norm += numbers[i] * numbers[i];
+  const double norm = std::sqrt(squared_norm);
+  CheckInput(norm == 0 || std::abs(norm - 1) < kRounding,
+             fmt::format("{}: the rotation in VIEWPOINT of the PCD file is a quaternion of length "
+                         "{:.3g}, not 1; get the file again",
+                         name, norm));
 }
 
 // Reads one line of the header.
@@ -79,6 +90,15 @@ void ReadPcdLine(const std::vector<std::string>& words, const std::string& name,
     }
   } else if (key == "TYPE") {
     header.types.assign(words.begin() + 1, words.end());
+    const bool are_types =
+        header.types.size() == header.fields.size() &&
+        std::all_of(header.types.begin(), header.types.end(), [](const std::string& type) {
+          return type == "F" || type == "I" || type == "U";
+        });
+    CheckInput(are_types, fmt::format("{}: TYPE of the PCD file is '{}', but needs F, I or U for "
+                                      "each of {} fields; get the file again",
+                                      name, OneLine(fmt::to_string(fmt::join(header.types, " "))),
+                                      header.fields.size()));
   } else if (key == "SIZE" || key == "COUNT") {
     const std::string wanted = key == "SIZE" ? "4" : "1";
     CheckInput(words.size() - 1 == header.fields.size(),

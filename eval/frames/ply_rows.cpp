@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <sstream>
 
 #include "scenes/base/error.h"
+#include "scenes/base/message_text.h"
 
 namespace pickbed::eval {
 namespace {
@@ -101,7 +103,13 @@ PlyHeader ReadHeader(const std::string& bytes, const std::string& name) {
       line >> property.name;
       require(!header.elements.empty() && (property.is_list || SizeOf(property.type) > 0),
               "the property " + property.name + " has the unknown type " + property.type);
-      header.elements.back().properties.push_back(property);
+      std::vector<Property>& others = header.elements.back().properties;
+      const bool is_new = std::none_of(others.begin(), others.end(), [&](const Property& other) {
+        return other.name == property.name;
+      });
+      require(is_new, "the header names the property " + OneLine(property.name) +
+                          " twice; get the file again");
+      others.push_back(property);
     } else if (key == "comment" || key == "obj_info") {
       ReadSize(line, header);
     }

@@ -215,6 +215,10 @@ void CheckTables(const Database& db) {
       fmt::format("its status is neither {} nor {}", kFinished, kCrashed));
   RequireNoRow(
       db, "trials",
+      fmt::format("SELECT rowid FROM trials WHERE status = '{}' AND crash <> ''", kFinished),
+      "it is finished and names a crash");
+  RequireNoRow(
+      db, "trials",
       fmt::format("SELECT rowid FROM trials WHERE trial IS NULL OR trial < 0 OR trial >= {}",
                   kMaxStoredTrials),
       "the number of the trial is missing, negative or too large");

@@ -12,22 +12,24 @@
 namespace pickbed::grasp {
 namespace {
 
-// Example: "cup_30mm has 12, jaw_14cm has 200". Empty if no other gripper has candidates.
-std::string Offers(const ObjectModel& object, const std::string& without,
-                   GraspCandidateOptions options) {
+// Returns a gripper that can hold the object, for example "cup_30mm has 12"; empty if there is
+// none. Names only the first one, because the candidates of each gripper take seconds.
+std::string OtherGripper(const ObjectModel& object, const std::string& without,
+                         GraspCandidateOptions options) {
   // A lower limit, for example of a table to print, must not make the grippers look alike.
   const GraspCandidateOptions usual;
   options.antipodal.candidates = std::max(options.antipodal.candidates, usual.antipodal.candidates);
   options.antipodal.resting_candidates =
       std::max(options.antipodal.resting_candidates, usual.antipodal.resting_candidates);
   options.suction.candidates = std::max(options.suction.candidates, usual.suction.candidates);
-  std::string offers;
   for (const std::string& name : GripperNames()) {
     if (name == without) continue;
-    const size_t count = CachedCandidates(object, *LoadGripper(name), options).size();
-    if (count > 0) offers += fmt::format("{}{} has {}", offers.empty() ? "" : ", ", name, count);
+    const auto gripper = LoadGripper(name);
+    if (!CanCarry(*gripper, object.mass.mass_kg, object.friction)) continue;
+    const size_t count = CachedCandidates(object, *gripper, options).size();
+    if (count > 0) return fmt::format("{} has {}", name, count);
   }
-  return offers;
+  return {};
 }
 
 }  // namespace
@@ -82,12 +84,12 @@ std::vector<GraspCandidate> RequireCandidates(const ObjectModel& object, const G
                                               const GraspCandidateOptions& options) {
   auto candidates = CachedCandidates(object, gripper, options);
   if (!candidates.empty()) return candidates;
-  const std::string offers = Offers(object, gripper.name, options);
+  const std::string other = OtherGripper(object, gripper.name, options);
   throw InputError(fmt::format(
       "object '{}' has no {} for gripper '{}', {}", object.name, gripper.needs(), gripper.name,
-      offers.empty() ? "and no other shipped gripper can hold it"
-                     : fmt::format("but {}; compare them with `pickbed grasps {} GRIPPER`", offers,
-                                   object.name)));
+      other.empty() ? "and no other shipped gripper can hold it"
+                    : fmt::format("but {}; compare grippers with `pickbed grasps {} GRIPPER`",
+                                  other, object.name)));
 }
 
 }  // namespace pickbed::grasp

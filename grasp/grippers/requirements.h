@@ -27,7 +27,7 @@ bool OpensFor(const Gripper& gripper, double width_m);
 void RequireOpensFor(const Gripper& gripper, double width_m);
 
 // Returns the candidates of CachedCandidates, at least one. Throws InputError if there is none; the
-// message says what the object lacks and which built-in grippers can hold it.
+// message says what the object lacks and names another gripper that can hold it.
 std::vector<GraspCandidate> RequireCandidates(const ObjectModel& object, const Gripper& gripper,
                                               const GraspCandidateOptions& options = {});
 

@@ -28,6 +28,8 @@ namespace {
 
 // In the unit of the file. Larger ones are damaged, also in micrometres.
 constexpr double kMaxCoordinate = 1e7;
+// Some programs write normals of the length of the face's area.
+constexpr double kMaxNormal = kMaxCoordinate * kMaxCoordinate;
 
 namespace fs = std::filesystem;
 
@@ -175,6 +177,19 @@ Submesh MakeSubmesh(const aiMesh& source, const Eigen::Affine3d& T, const aiMate
   return submesh;
 }
 
+// A normal that is not a number is allowed: some programs write it for a face without area.
+void CheckNormals(const std::filesystem::path& path, const aiScene& scene) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    for (unsigned i = 0; mesh.HasNormals() && i < mesh.mNumVertices; ++i) {
+      const double largest = ToEigen(mesh.mNormals[i]).cwiseAbs().maxCoeff();
+      CheckInput(!(largest > kMaxNormal),
+                 fmt::format("mesh '{}' has a normal of length {:g}; export it again",
+                             path.string(), largest));
+    }
+  }
+}
+
 void CollectSubmeshes(const aiScene& scene, const aiNode& node, const Eigen::Affine3d& parent,
                       TextureLoader& loader, std::vector<Submesh>& submeshes) {
   const Eigen::Affine3d T = parent * ToEigen(node.mTransformation);
@@ -276,6 +291,7 @@ ImportedMesh ImportMesh(const fs::path& path, double scale) {
     RefuseUnreadable(path, importer.GetErrorString());
   }
   CheckFaces(path, *scene);
+  CheckNormals(path, *scene);
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr) RefuseUnreadable(path, importer.GetErrorString());
   CheckFaceCount(path, CountFaces(*scene, *scene->mRootNode));

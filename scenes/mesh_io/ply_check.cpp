@@ -237,6 +237,12 @@ Header ReadHeader(const std::filesystem::path& path, std::ifstream& file, size_t
         RefuseUnreadable(
             path, fmt::format("line {} has an unknown type: '{}'", line_number, OneLine(line)));
       }
+      const auto& others = elements.back().properties;
+      if (std::any_of(others.begin(), others.end(),
+                      [&](const Property& other) { return other.name == property.name; })) {
+        RefuseUnreadable(path, fmt::format("line {} names the property '{}' again", line_number,
+                                           OneLine(property.name)));
+      }
       elements.back().properties.push_back(property);
     } else if (line_number > 1 && key != "comment" && key != "obj_info" && !key.empty()) {
       RefuseUnreadable(path, fmt::format("line {} of its header is no statement of PLY: '{}'",

@@ -111,5 +111,32 @@ TEST(CloudFile, APcdHasAsManyBytesAsItsHeaderSays) {
   EXPECT_THAT(error(pcd + "1"), HasSubstr("longer than its header says"));
 }
 
+TEST(CloudFile, DamagedHeadersOfPcdFilesAreRefused) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& type, const std::string& viewpoint) {
+    const std::string pcd = "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE " + type +
+                            "\nCOUNT 1 1 1\nWIDTH 8\nHEIGHT 6\nVIEWPOINT " + viewpoint +
+                            "\nPOINTS 48\nDATA binary\n";
+    const auto file = folder.Write("a.pcd", pcd);
+    return ErrorOf([&] { ReadCloudFile(file); });
+  };
+  const std::string pose = "0 0 0 1 0 0 0";
+  EXPECT_THAT(error("F F F", pose), HasSubstr("too short"));  // the header is right
+  EXPECT_THAT(error("F F F", "0 0 0 0 0 0 0"), HasSubstr("too short"));
+  EXPECT_THAT(error("F F", pose), HasSubstr("TYPE of the PCD file is 'F F', but needs F, I or U"));
+  EXPECT_THAT(error("F F F<", pose), HasSubstr("TYPE of the PCD file is 'F F F<'"));
+  EXPECT_THAT(error("F F F", "0 0 0 1 0 0 1"), HasSubstr("a quaternion of length 1.41, not 1"));
+  EXPECT_THAT(error("F F F", "0 0 0 1 0 0"), HasSubstr("no seven numbers"));
+}
+
+TEST(CloudFile, APropertyTwiceIsRefused) {
+  const TemporaryFolder folder;
+  const auto file = folder.Write("a.ply",
+                                 "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                                 "property float x\nend_header\n0 0\n");
+  EXPECT_THAT(ErrorOf([&] { ReadCloudFile(file); }),
+              HasSubstr("the header names the property x twice"));
+}
+
 }  // namespace
 }  // namespace pickbed::tests

@@ -122,6 +122,8 @@ INSTANTIATE_TEST_SUITE_P(
         EditedStore{"UPDATE trials SET instances_graspable = 99",
                     "more instances are graspable than were tested"},
         EditedStore{"UPDATE trials SET status = 'lost'", "neither finished nor crashed"},
+        EditedStore{"UPDATE trials SET crash = 'x' WHERE rowid = 1",
+                    "table 'trials', row 1: it is finished and names a crash"},
         EditedStore{"UPDATE trials SET layers = x'00'", "is a BLOB"},
         EditedStore{"UPDATE hypothesis_metrics SET metric = CAST(x'6dff' AS TEXT) WHERE rowid = 1",
                     "is not UTF-8"},

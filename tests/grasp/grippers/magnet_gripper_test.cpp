@@ -402,7 +402,7 @@ TEST(MagnetGripper, CandidatesAreSteelFacesUnderTheWholePole) {
   }
 }
 
-// A user finds out which gripper can hold the object.
+// A user finds out which gripper can hold the object. One is named, not all.
 TEST(MagnetGripper, ObjectThatItCannotHoldIsRefused) {
   const TemporaryFolder folder;
   setenv("XDG_CACHE_HOME", folder.path().c_str(), 1);
@@ -410,7 +410,7 @@ TEST(MagnetGripper, ObjectThatItCannotHoldIsRefused) {
       ErrorOf([&] { RequireCandidates(*Plate(2700), *LoadMagnet(), FewMagnetCandidates()); }),
       testing::AllOf(HasSubstr("object 'box' has no steel face as large as the pole for "
                                "gripper 'magnet'"),
-                     HasSubstr("cup_30mm has ")));
+                     HasSubstr("but cup_30mm has "), testing::Not(HasSubstr("jaw_"))));
   unsetenv("XDG_CACHE_HOME");
 }
 

@@ -393,6 +393,11 @@ std::string BinaryPly() {
   return ply;
 }
 
+std::string LongNormal(std::string stl) {
+  const std::string normal = "0 0 1";
+  return stl.replace(stl.find(normal), normal.size(), "0 -1.5e23 0");
+}
+
 // Files that crashed assimp, made it assert or run without end, or that were loaded in part.
 TEST(LoadMesh, RefusesDamagedFilesInOneLine) {
   const TemporaryFolder folder;
@@ -413,6 +418,7 @@ TEST(LoadMesh, RefusesDamagedFilesInOneLine) {
                     "ply\nformat ascii 1.0\nelement vertex 4000000000\nend_header\n"),
        "have no room for"},
       {folder.Write("cut.stl", stl), "does not end with endsolid"},
+      {folder.Write("normal.stl", LongNormal(stl) + "endsolid x\n"), "a normal of length 1.5e+23"},
       {folder.Write("cut_face.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 2 3"), "is incomplete"},
       {folder.Write("cut_index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1/1/1 2/2/2 3/"),
        "is incomplete"},
