@@ -100,6 +100,8 @@ PlyHeader ReadHeader(const std::string& bytes, const std::string& name) {
       Property property;
       line >> property.type;
       property.is_list = property.type == "list";
+      std::string count_type;
+      if (property.is_list) line >> count_type >> property.type;
       line >> property.name;
       require(!header.elements.empty() && (property.is_list || SizeOf(property.type) > 0),
               "the property " + property.name + " has the unknown type " + property.type);

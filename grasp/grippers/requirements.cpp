@@ -4,6 +4,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "grasp/grippers/table.h"
 #include "scenes/base/error.h"
@@ -12,9 +16,10 @@
 namespace pickbed::grasp {
 namespace {
 
-// Returns a gripper that can hold the object, for example "cup_30mm has 12"; empty if there is
-// none. Names only the first one, because the candidates of each gripper take seconds.
-std::string OtherGripper(const ObjectModel& object, const std::string& without,
+// Returns a gripper that can hold the object, for example "jaw_14cm has 12 grasps"; empty if there
+// is none. Tries grippers that need the same of an object first, and names only one, because the
+// candidates of each gripper take seconds.
+std::string OtherGripper(const ObjectModel& object, const Gripper& gripper,
                          GraspCandidateOptions options) {
   // A lower limit, for example of a table to print, must not make the grippers look alike.
   const GraspCandidateOptions usual;
@@ -22,12 +27,17 @@ std::string OtherGripper(const ObjectModel& object, const std::string& without,
   options.antipodal.resting_candidates =
       std::max(options.antipodal.resting_candidates, usual.antipodal.resting_candidates);
   options.suction.candidates = std::max(options.suction.candidates, usual.suction.candidates);
+  std::vector<std::shared_ptr<const Gripper>> others;
   for (const std::string& name : GripperNames()) {
-    if (name == without) continue;
-    const auto gripper = LoadGripper(name);
-    if (!CanCarry(*gripper, object.mass.mass_kg, object.friction)) continue;
-    const size_t count = CachedCandidates(object, *gripper, options).size();
-    if (count > 0) return fmt::format("{} has {}", name, count);
+    if (name != gripper.name) others.push_back(LoadGripper(name));
+  }
+  std::stable_partition(others.begin(), others.end(), [&](const auto& other) {
+    return std::string_view(other->needs()) == gripper.needs();
+  });
+  for (const auto& other : others) {
+    if (!CanCarry(*other, object.mass.mass_kg, object.friction)) continue;
+    const size_t count = CachedCandidates(object, *other, options).size();
+    if (count > 0) return fmt::format("{} has {} grasps", other->name, count);
   }
   return {};
 }
@@ -84,7 +94,7 @@ std::vector<GraspCandidate> RequireCandidates(const ObjectModel& object, const G
                                               const GraspCandidateOptions& options) {
   auto candidates = CachedCandidates(object, gripper, options);
   if (!candidates.empty()) return candidates;
-  const std::string other = OtherGripper(object, gripper.name, options);
+  const std::string other = OtherGripper(object, gripper, options);
   throw InputError(fmt::format(
       "object '{}' has no {} for gripper '{}', {}", object.name, gripper.needs(), gripper.name,
       other.empty() ? "and no other shipped gripper can hold it"

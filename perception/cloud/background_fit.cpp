@@ -24,24 +24,14 @@ BackgroundPlane TowardsCamera(const Eigen::Vector3f& normal_C, const Eigen::Vect
 
 struct Sides {
   int on = 0, behind = 0;
-  int just_behind = 0;  // within four margins
-
-  // Nothing is just behind a table or floor. Points there belong to a surface that the plane
-  // misses, for example the floor under objects through which the plane passes.
-  bool IsTableOrFloor() const {
-    constexpr double kMaxJustBehind = 0.4;  // of the points on the plane; 0.3 is noise and edges
-    return just_behind <= kMaxJustBehind * on;
-  }
 };
 
 Sides Count(const Points& points, const BackgroundPlane& plane, float margin_m) {
-  constexpr float kJust = 4;
   Sides sides;
   for (const Eigen::Vector3f& p : points) {
     const float distance = plane.SignedDistance(p), margin = MarginAt(p, margin_m);
     sides.on += std::abs(distance) < margin;
     sides.behind += distance <= -margin;
-    sides.just_behind += distance <= -margin && distance > -kJust * margin;
   }
   return sides;
 }
@@ -130,8 +120,7 @@ std::optional<BackgroundPlane> FitFloor(const Points& points, const BackgroundOp
   }
   if (on_largest == 0) return std::nullopt;
   largest = LeastSquares(points, largest, margin_m);
-  const Sides of_largest = Count(points, largest, margin_m);
-  if (of_largest.on >= options.min_plane_share * n && of_largest.IsTableOrFloor()) return largest;
+  if (Count(points, largest, margin_m).on >= options.min_plane_share * n) return largest;
   if (on_last == 0) return std::nullopt;
   last = LeastSquares(points, last, margin_m);
   const Sides sides = Count(points, last, margin_m);

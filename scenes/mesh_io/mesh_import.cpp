@@ -182,10 +182,12 @@ void CheckNormals(const std::filesystem::path& path, const aiScene& scene) {
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
     const aiMesh& mesh = *scene.mMeshes[m];
     for (unsigned i = 0; mesh.HasNormals() && i < mesh.mNumVertices; ++i) {
-      const double largest = ToEigen(mesh.mNormals[i]).cwiseAbs().maxCoeff();
-      CheckInput(!(largest > kMaxNormal),
-                 fmt::format("mesh '{}' has a normal of length {:g}; export it again",
-                             path.string(), largest));
+      const aiVector3D& normal = mesh.mNormals[i];
+      for (const double component : {normal.x, normal.y, normal.z}) {
+        CheckInput(!(std::abs(component) > kMaxNormal),
+                   fmt::format("mesh '{}' has a normal with the component {:g}; export it again",
+                               path.string(), component));
+      }
     }
   }
 }

@@ -18,8 +18,8 @@ grasps_are_written_and_drawn() {
   expect 0 "$pickbed" object add big.obj --name big --unit mm --mass 0.5 --drops 5
   refused "object 'big' has no antipodal pair that fits its stroke for gripper 'jaw_8cm', but" \
     "$pickbed" grasps big jaw_8cm "${quick[@]}" --out none
-  grep -q "cup_30mm has [0-9]" last.err || fail "the suction cup is not suggested"
-  grep -q "cup_30mm has 20\b" last.err && fail "--count limits the grasps of other grippers"
+  grep -q "jaw_14cm has [0-9]" last.err || fail "the wider jaw is not suggested"
+  grep -q "has 20 grasps" last.err && fail "--count limits the grasps of other grippers"
   [ ! -e none ] || fail "a refused command left a folder"
   refused "did you mean 'carton'" "$pickbed" grasps cartn jaw_8cm
   refused "unknown gripper 'claw'" "$pickbed" grasps carton claw

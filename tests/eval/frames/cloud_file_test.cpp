@@ -138,5 +138,16 @@ TEST(CloudFile, APropertyTwiceIsRefused) {
               HasSubstr("the header names the property x twice"));
 }
 
+// As MeshLab writes a mesh.
+TEST(CloudFile, AnElementCanHaveTwoLists) {
+  const TemporaryFolder folder;
+  std::string ply = PlyCloud("", false);
+  const std::string end = "end_header";
+  ply.replace(ply.find(end), 0,
+              "element face 0\nproperty list uchar int vertex_indices\n"
+              "property list uchar float texcoord\n");
+  EXPECT_GT(ReadCloudFile(folder.Write("a.ply", ply), {8, 6}).width, 0);
+}
+
 }  // namespace
 }  // namespace pickbed::tests

@@ -393,9 +393,9 @@ std::string BinaryPly() {
   return ply;
 }
 
-std::string LongNormal(std::string stl) {
-  const std::string normal = "0 0 1";
-  return stl.replace(stl.find(normal), normal.size(), "0 -1.5e23 0");
+// Ends the text STL, with this normal of its facet.
+std::string WithNormal(std::string stl, const std::string& normal) {
+  return stl.replace(stl.find("0 0 1"), 5, normal) + "endsolid x\n";
 }
 
 // Files that crashed assimp, made it assert or run without end, or that were loaded in part.
@@ -418,7 +418,8 @@ TEST(LoadMesh, RefusesDamagedFilesInOneLine) {
                     "ply\nformat ascii 1.0\nelement vertex 4000000000\nend_header\n"),
        "have no room for"},
       {folder.Write("cut.stl", stl), "does not end with endsolid"},
-      {folder.Write("normal.stl", LongNormal(stl) + "endsolid x\n"), "a normal of length 1.5e+23"},
+      {folder.Write("normal.stl", WithNormal(stl, "0 -1.5e23 0")),
+       "a normal with the component -1.5e+23"},
       {folder.Write("cut_face.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 2 3"), "is incomplete"},
       {folder.Write("cut_index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1/1/1 2/2/2 3/"),
        "is incomplete"},
@@ -435,7 +436,10 @@ TEST(LoadMesh, RefusesDamagedFilesInOneLine) {
   EXPECT_EQ(LoadMesh(folder.Write("no_line_end.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3"))
                 .triangles.size(),
             1u);
-  EXPECT_EQ(LoadMesh(folder.Write("whole.stl", stl + "endsolid x\n")).triangles.size(), 1u);
+  for (const char* normal : {"0 0 1", "0 0 1e12", "nan nan nan"}) {
+    const TriangleMesh mesh = LoadMesh(folder.Write("whole.stl", WithNormal(stl, normal)));
+    EXPECT_EQ(mesh.triangles.size(), 1u) << normal;
+  }
 }
 
 // assimp crashed on it without its validation.
