@@ -323,14 +323,14 @@ TEST(Trial, FailedGraspIsRepeatedOnlyWhenNoOtherIsLeft) {
   EXPECT_GT(chances, 2) << "the case did not occur";
 }
 
-// All sides are wider than the jaw stroke, but a suction cup can hold the cube. It is accepted as a
-// distractor.
+// All sides are wider than the stroke of this jaw, but a wider one can hold the cube. It is
+// accepted as a distractor.
 TEST(Trial, ObjectWithoutAnyGraspIsRefusedBeforeTheFirstTrial) {
   ScenarioSpec spec = CubeScenario(1);
   const ObjectSet wide{Cube(0.09, 0.2, 0.6)};
   EXPECT_THAT(ErrorOf([&] { TrialRunner(spec, wide); }),
               testing::AllOf(testing::HasSubstr("gripper: object 'cube' has no"),
-                             testing::HasSubstr("cup_30mm has")));
+                             testing::HasSubstr("but jaw_14cm has ")));
   spec.objects.push_back(spec.objects[0]);
   spec.objects[0].distractor = true;
   EXPECT_NO_THROW(TrialRunner(spec, {wide[0], EasyCube()[0]}));
