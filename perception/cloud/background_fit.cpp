@@ -36,6 +36,45 @@ Sides Count(const Points& points, const BackgroundPlane& plane, float margin_m) 
   return sides;
 }
 
+// Whether the plane passes through objects, and the surface that they are on is just behind it.
+// Many points are just behind such a plane, and they are mixed with the points on it. Around a
+// board or a thin floor, the points just behind it are beside it.
+bool PassesThroughObjects(const Points& points, const BackgroundPlane& plane, float margin_m) {
+  constexpr float kJustBehind = 4;        // margins
+  constexpr double kMinJustBehind = 0.4;  // share of the points on the plane; noise reaches 0.28
+  constexpr double kMinMixing = 0.6;      // 1: as at random; 0: no cell has both kinds
+  constexpr int kCells = 10;              // per side of a grid over the image region of both kinds
+  std::array<std::vector<Eigen::Vector2f>, 2> rays;  // on the plane, just behind it
+  Eigen::AlignedBox2f box;
+  for (const Eigen::Vector3f& p : points) {
+    const float distance = plane.SignedDistance(p), margin = MarginAt(p, margin_m);
+    if (distance >= margin || distance <= -kJustBehind * margin) continue;
+    rays[distance > -margin ? 0 : 1].emplace_back(p.hnormalized());
+    box.extend(p.hnormalized());
+  }
+  const auto on = static_cast<double>(rays[0].size()), behind = static_cast<double>(rays[1].size());
+  if (behind <= kMinJustBehind * on) return false;
+  const auto cell_of = [&](float at, float low, float size) {
+    return size > 0 ? std::min(kCells - 1, static_cast<int>(kCells * (at - low) / size)) : 0;
+  };
+  std::array<std::array<double, 2>, kCells * kCells> cells{};
+  for (const int kind : {0, 1}) {
+    for (const Eigen::Vector2f& ray : rays[kind]) {
+      const int column = cell_of(ray.x(), box.min().x(), box.sizes().x());
+      const int row = cell_of(ray.y(), box.min().y(), box.sizes().y());
+      ++cells[row * kCells + column][kind];
+    }
+  }
+  // Each summand is half of the number of points in a cell, times the share of pairs of points with
+  // both kinds. If the kinds are mixed at random, this share is the same as for all points.
+  double pairs = 0;
+  for (const auto& [on_in_cell, behind_in_cell] : cells) {
+    const double others = on_in_cell + behind_in_cell - 1;
+    if (others > 0) pairs += on_in_cell * behind_in_cell / others;
+  }
+  return pairs > kMinMixing * on * behind / (on + behind - 1);
+}
+
 BackgroundPlane LeastSquares(const Points& points, const BackgroundPlane& start, float margin_m) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
@@ -82,8 +121,9 @@ bool IsSpread(const Points& points, const BackgroundPlane& plane, float margin_m
   return true;
 }
 
-// Returns the plane with most points. If it holds too few, returns the plane with most points among
-// those with almost nothing behind them. An example is the floor of a well filled bin.
+// Returns the plane with most points. If it holds too few or passes through objects, returns the
+// plane with most points among those with almost nothing behind them. An example is the floor of a
+// well filled bin.
 std::optional<BackgroundPlane> FitFloor(const Points& points, const BackgroundOptions& options) {
   // 200 draws find a plane with a quarter of the points with probability 1 - (1 - 1/64)^200 = 0.96.
   // The other 200 draws find a small patch of floor: their points are near each other in the input
@@ -120,7 +160,10 @@ std::optional<BackgroundPlane> FitFloor(const Points& points, const BackgroundOp
   }
   if (on_largest == 0) return std::nullopt;
   largest = LeastSquares(points, largest, margin_m);
-  if (Count(points, largest, margin_m).on >= options.min_plane_share * n) return largest;
+  if (Count(points, largest, margin_m).on >= options.min_plane_share * n &&
+      !PassesThroughObjects(points, largest, margin_m)) {
+    return largest;
+  }
   if (on_last == 0) return std::nullopt;
   last = LeastSquares(points, last, margin_m);
   const Sides sides = Count(points, last, margin_m);

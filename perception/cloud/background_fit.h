@@ -29,8 +29,8 @@ struct BackgroundOptions {
 // Finds the background planes from a sparse set of points. A point on or behind any returned plane
 // is background.
 // - Table or floor: the plane with most points (RANSAC, Fischler and Bolles 1981), if it holds
-//   min_plane_share of them. Otherwise the plane with most points among those with almost no points
-//   behind them.
+//   min_plane_share of them and does not pass through objects. Otherwise the plane with most points
+//   among those with almost no points behind them.
 // - Walls of an upright rectangular bin on that plane, if at least three are seen from inside.
 //   A wall is a line on the floor with many points above it and almost none further out.
 // - The floor of the bin itself, if it hides the table.

@@ -117,6 +117,41 @@ TEST(FitBackground, RodsOnATableAreKept) {
   ExpectObjectsKept(scene.frame(), table_m);
 }
 
+// From far away, the plane with most points passes through the objects. The table just behind it
+// shows that it is not the table.
+TEST(FitBackground, FlatObjectsThatCoverMostOfATableAreKept) {
+  const Pose X_CW = LookAt({0, -0.4, 1.9}, {0, 0, 0}, {0, 0, 1}).inverse();
+  SyntheticDepth scene(SmallCamera());
+  scene.AddPlane(X_CW.linear() * Eigen::Vector3d::UnitZ(), X_CW.translation());
+  const Image<float> table_m = scene.frame().depth_m;
+  for (int x = -5; x <= 5; ++x) {
+    for (int y = -4; y <= 4; ++y) {
+      scene.AddMesh(BoxMesh({0.20, 0.20, 0.04}, {0.25 * x, 0.25 * y, 0.02}), X_CW);
+    }
+  }
+  Rng rng(3);
+  const RgbdFrame frame = WithNoise(scene.frame(), 0.0005, rng);
+  ExpectObjectsKept(frame, table_m);
+  EXPECT_EQ(BuildCloud(frame, std::nullopt).planes.size(), 1u) << "the table is found";
+}
+
+// The floor around a low board is just behind it, too, but beside it.
+TEST(FitBackground, ABoardOnAFloorIsBackground) {
+  const Pose X_CW = LookAt({0, -0.4, 1.9}, {0, 0, 0}, {0, 0, 1}).inverse();
+  SyntheticDepth scene(SmallCamera());
+  scene.AddPlane(X_CW.linear() * Eigen::Vector3d::UnitZ(), X_CW.translation());
+  scene.AddMesh(BoxMesh({1.35, 1.05, 0.04}, {0, 0, 0.02}), X_CW);
+  for (int x = -2; x <= 2; ++x) {
+    scene.AddMesh(BoxMesh({0.10, 0.10, 0.10}, {0.25 * x, 0.1, 0.09}), X_CW);
+  }
+  Rng rng(3);
+  const RgbdFrame frame = WithNoise(scene.frame(), 0.0005, rng);
+  const OrganizedCloud cloud = BuildCloud(frame, std::nullopt);
+  ASSERT_EQ(cloud.planes.size(), 1u);
+  const Eigen::Vector3d top_C = X_CW * Eigen::Vector3d(0, 0, 0.04);
+  EXPECT_NEAR(cloud.planes[0].SignedDistance(top_C.cast<float>()), 0, 0.01);
+}
+
 TEST(FitBackground, DepthInAWrongUnitGivesNoWalls) {
   std::vector<Eigen::Vector3f> points_C;
   for (int i = 0; i < 4000; ++i) {
