@@ -67,6 +67,10 @@ void CandidateOptions::Visit(SettingsVisitor& v) {
          "minimum probability that a patch shows the object, for its vote to count");
   v.Integer("rounds", rounds, {1, 10},
             "rounds of voting; later rounds sample only pixels that are not explained");
+  v.Integer("crowded_rounds", crowded_rounds, {1, 10},
+            "rounds of voting if the background is known and shows more than usual_instances");
+  v.Real("later_density", later_density, {0.01, 100},
+         "patches per pixel in later rounds, over those of the first");
   CandidateRefinementOptions::Visit(v);
   v.Group(
       "modes", [&](SettingsVisitor& g) { modes.Visit(g); }, "settings that filter votes to modes");
@@ -83,6 +87,7 @@ CandidateOptions AccurateCandidates() {
   options.ambiguous_candidates = 40;
   options.ambiguous_poses = 6;
   options.rounds = 2;
+  options.later_density = 2;
   return options;
 }
 
@@ -320,18 +325,21 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
                                              StageSeconds& seconds, EstimateTrace* trace) const {
   RequireChannels(cloud, impl_->voter.channels);  // throws even if no patch is cut
   if (trace) trace->channels = impl_->voter.channels;
+  const CandidateOptions& options = impl_->options;
   std::vector<Candidate> candidates;
   std::vector<int> unexplained = SearchPixels(cloud, impl_->largest_diameter_m);
   const auto searched = static_cast<double>(unexplained.size());
   SearchEffort effort{impl_->candidate_refiner.SceneEffort(cloud, unexplained), 1};
   RawPoses proposed;
   if (impl_->proposer) proposed = impl_->proposer->Propose(cloud, seconds);
-  for (int round = 0; round < impl_->options.rounds && !unexplained.empty(); ++round) {
+  const bool is_crowded = cloud.background == BackgroundKind::kKnown && effort.scene > 1;
+  const int rounds = is_crowded ? options.crowded_rounds : options.rounds;
+  for (int round = 0; round < rounds && !unexplained.empty(); ++round) {
     if (round > 0) {
-      // The remaining pixels are few and difficult, so they get twice the patch density.
-      constexpr double kDenser = 2;
+      // The remaining pixels are few and difficult, so they get more patches.
       unexplained = impl_->candidate_refiner.Unexplained(cloud, candidates, unexplained);
-      effort.share = std::min(1.0, kDenser * static_cast<double>(unexplained.size()) / searched);
+      effort.share =
+          std::min(1.0, options.later_density * static_cast<double>(unexplained.size()) / searched);
     }
     for (Candidate& candidate :
          impl_->Round(cloud, unexplained, effort, rng, seconds, trace, proposed)) {

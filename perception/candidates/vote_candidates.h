@@ -21,7 +21,11 @@ struct CandidateOptions : CandidateRefinementOptions {
   int points = 600;      // patches per frame, all patch sides together
   int min_points = 450;  // minimum number per patch side, but not more than `points`
   int neighbors = 8;     // codebook votes per patch
-  int rounds = 1;        // later rounds sample only the pixels that no candidate explains
+  // Later rounds sample only the pixels that no candidate explains. There are `crowded_rounds` if
+  // the background is known and the scene shows more than usual_instances, otherwise `rounds`.
+  int rounds = 1;
+  int crowded_rounds = 2;
+  double later_density = 4;  // patches per pixel in later rounds, over those of the first
   // Raw poses: codebook votes ("neighbors"), modes of these votes ("modes", see vote_modes.h),
   // poses regressed by the network ("regressed"), or codebook votes and regressed poses ("both").
   std::string votes = "neighbors";
@@ -32,7 +36,7 @@ struct CandidateOptions : CandidateRefinementOptions {
   void Visit(SettingsVisitor& v);
 };
 
-// Options of the accurate mode: finds more occluded instances in about three times the time.
+// Options of the accurate mode: finds more occluded instances in two to three times the time.
 CandidateOptions AccurateCandidates();
 
 // An object with its patch size and codebook.

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
+#include <utility>
 
 #include "perception/candidates/estimate_trace.h"
 #include "perception/estimators/first_poses.h"
@@ -163,6 +165,22 @@ EstimateTrace TraceOf(PoseEstimator& estimator, const EstimatorInput& input,
   const EstimateResult found = estimator.Estimate(traced, rng);
   if (result) *result = found;
   return trace;
+}
+
+TEST_F(Descriptor, OnlyCrowdedScenesWithAKnownBackgroundGetMoreRounds) {
+  const LabelledView view = views_->ClutterScene({8, 1}).front();
+  const auto patches = [&](std::optional<KnownBackground> background, double usual_instances,
+                           int crowded_rounds) {
+    DescriptorOptions options = Options();
+    options.candidates.usual_instances = usual_instances;
+    options.candidates.crowded_rounds = crowded_rounds;
+    options.candidates.candidates = options.candidates.min_candidates = 1;  // explains one instance
+    const auto estimator = MakeDescriptorEstimator(MakeSetup(), options);
+    return TraceOf(*estimator, {view.frame, std::move(background)}).patches.size();
+  };
+  EXPECT_GT(patches(OutOfSightBin(), 1, 2), patches(OutOfSightBin(), 1, 1));
+  EXPECT_EQ(patches(OutOfSightBin(), 100, 2), patches(OutOfSightBin(), 100, 1));
+  EXPECT_EQ(patches({}, 1, 2), patches({}, 1, 1));
 }
 
 TEST_F(Descriptor, TracingDoesNotChangeTheResult) {
