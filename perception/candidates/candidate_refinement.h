@@ -23,8 +23,8 @@ struct CandidateRefinementOptions {
   // The numbers of patches, candidates and ambiguous candidates are for up to this many visible
   // instances. A scene that shows more of them (see search_effort.h) gets proportionally more.
   double usual_instances = 20;
-  int candidates = 300;        // poses refined by ICP, all objects together
-  int min_candidates = 100;    // minimum number per object
+  int candidates = 300;      // poses refined by ICP, all objects together
+  int min_candidates = 100;  // minimum number per object
   // Without a known background, many votes are on walls and other surfaces. The numbers of
   // candidates and ambiguous candidates are multiplied by this factor then.
   double unknown_background_factor = 3;

@@ -68,9 +68,9 @@ void CandidateOptions::Visit(SettingsVisitor& v) {
   v.Integer("rounds", rounds, {1, 10},
             "rounds of voting; later rounds sample only pixels that are not explained");
   v.Integer("crowded_rounds", crowded_rounds, {1, 10},
-            "rounds of voting if the background is known and shows more than usual_instances");
+            "minimum rounds if the background is known and shows more than usual_instances");
   v.Real("later_density", later_density, {0.01, 100},
-         "patches per pixel in later rounds, over those of the first");
+         "factor of the patches per pixel in later rounds");
   CandidateRefinementOptions::Visit(v);
   v.Group(
       "modes", [&](SettingsVisitor& g) { modes.Visit(g); }, "settings that filter votes to modes");
@@ -333,10 +333,10 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
   RawPoses proposed;
   if (impl_->proposer) proposed = impl_->proposer->Propose(cloud, seconds);
   const bool is_crowded = cloud.background == BackgroundKind::kKnown && effort.scene > 1;
-  const int rounds = is_crowded ? options.crowded_rounds : options.rounds;
+  const int rounds = is_crowded ? std::max(options.rounds, options.crowded_rounds) : options.rounds;
   for (int round = 0; round < rounds && !unexplained.empty(); ++round) {
     if (round > 0) {
-      // The remaining pixels are few and difficult, so they get more patches.
+      // The remaining pixels are few and difficult, so they get patches of their own density.
       unexplained = impl_->candidate_refiner.Unexplained(cloud, candidates, unexplained);
       effort.share =
           std::min(1.0, options.later_density * static_cast<double>(unexplained.size()) / searched);

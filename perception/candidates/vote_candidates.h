@@ -21,11 +21,11 @@ struct CandidateOptions : CandidateRefinementOptions {
   int points = 600;      // patches per frame, all patch sides together
   int min_points = 450;  // minimum number per patch side, but not more than `points`
   int neighbors = 8;     // codebook votes per patch
-  // Later rounds sample only the pixels that no candidate explains. There are `crowded_rounds` if
-  // the background is known and the scene shows more than usual_instances, otherwise `rounds`.
+  // Later rounds sample only the pixels that no candidate explains. There are at least
+  // `crowded_rounds` if the background is known and shows more than usual_instances.
   int rounds = 1;
   int crowded_rounds = 2;
-  double later_density = 4;  // patches per pixel in later rounds, over those of the first
+  double later_density = 4;  // factor of the patches per pixel in later rounds
   // Raw poses: codebook votes ("neighbors"), modes of these votes ("modes", see vote_modes.h),
   // poses regressed by the network ("regressed"), or codebook votes and regressed poses ("both").
   std::string votes = "neighbors";

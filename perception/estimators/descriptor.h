@@ -34,8 +34,8 @@ struct DescriptorOptions {
 
 // Returns the options of a mode. "fast": 600 points, 300 candidates, one correspondence distance,
 // few ambiguous poses. "accurate": 1,200 points, 600 candidates, two distances, more ambiguous
-// poses, two rounds. "first": like "fast"; the estimator sets `first`. Throws InputError for
-// another mode.
+// poses, two rounds in all scenes. "first": like "fast", but with one round in each region; the
+// estimator sets `first`. Throws InputError for another mode.
 DescriptorOptions OptionsForMode(const std::string& mode);
 
 // Loads the model (spec.model, see ModelFileOr(); empty = the shipped one), and makes the codebooks

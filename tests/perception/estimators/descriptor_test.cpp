@@ -170,16 +170,19 @@ EstimateTrace TraceOf(PoseEstimator& estimator, const EstimatorInput& input,
 TEST_F(Descriptor, OnlyCrowdedScenesWithAKnownBackgroundGetMoreRounds) {
   const LabelledView view = views_->ClutterScene({8, 1}).front();
   const auto patches = [&](std::optional<KnownBackground> background, double usual_instances,
-                           int crowded_rounds) {
+                           int crowded_rounds, double later_density = 4) {
     DescriptorOptions options = Options();
     options.candidates.usual_instances = usual_instances;
     options.candidates.crowded_rounds = crowded_rounds;
+    options.candidates.later_density = later_density;
     options.candidates.candidates = options.candidates.min_candidates = 1;  // explains one instance
     const auto estimator = MakeDescriptorEstimator(MakeSetup(), options);
     return TraceOf(*estimator, {view.frame, std::move(background)}).patches.size();
   };
   EXPECT_GT(patches(OutOfSightBin(), 1, 2), patches(OutOfSightBin(), 1, 1));
   EXPECT_EQ(patches(OutOfSightBin(), 100, 2), patches(OutOfSightBin(), 100, 1));
+  EXPECT_GT(patches(OutOfSightBin(), 1, 2), patches(OutOfSightBin(), 1, 2, 0.1));
+  ASSERT_GT(patches({}, 1, 1), patches({}, 100, 1)) << "it is crowded, too";
   EXPECT_EQ(patches({}, 1, 2), patches({}, 1, 1));
 }
 
