@@ -34,8 +34,9 @@ void CandidateRefinementOptions::Visit(SettingsVisitor& v) {
             "maximum number of refined poses, all objects together");
   v.Integer("min_candidates", min_candidates, {1, 100000},
             "minimum number of refined poses per object");
-  v.Real("unknown_background_factor", unknown_background_factor, {1, 100},
-         "factor of the numbers of refined and ambiguous poses if the background is not known");
+  v.Real("fitted_background_factor", fitted_background_factor, {1, 100},
+         "factor of the numbers of refined and ambiguous poses if the background is not given, but "
+         "planes are found");
   v.Real("quick_tau_m", quick_tau_m, {1e-4, 0.1}, "depth band of the quick score, m");
   v.Real("density_weight", density_weight, {0, 10},
          "weight of the vote density in the rank of a vote");
@@ -300,8 +301,8 @@ std::vector<Candidate> CandidateRefiner::RefineCandidates(
     const OrganizedCloud& cloud, ObjectId object, const std::vector<PoseVote>& votes,
     const std::vector<PoseVote>& cast, int patches, const SearchEffort& effort,
     StageSeconds& seconds, EstimateTrace* trace) const {
-  const bool is_known = cloud.background == BackgroundKind::kKnown;
-  const double scene = (is_known ? 1 : options_.unknown_background_factor) * effort.scene;
+  const bool is_fitted = cloud.background == BackgroundKind::kFitted;
+  const double scene = (is_fitted ? options_.fitted_background_factor : 1) * effort.scene;
   const int kept = Kept({.scene = scene, .share = effort.share});
   std::vector<RawHypothesis> poses;
   {

@@ -25,9 +25,10 @@ struct CandidateRefinementOptions {
   double usual_instances = 20;
   int candidates = 300;      // poses refined by ICP, all objects together
   int min_candidates = 100;  // minimum number per object
-  // Without a known background, many votes are on walls and other surfaces. The numbers of
-  // candidates and ambiguous candidates are multiplied by this factor then.
-  double unknown_background_factor = 3;
+  // If only planes of the background are found, many votes are on walls and other surfaces. The
+  // numbers of candidates and ambiguous candidates are multiplied by this factor then. If nothing
+  // is found, they are not: the scores would become unreliable.
+  double fitted_background_factor = 3;
   double quick_tau_m = 0.008;  // depth band of the quick score
   // The rank of a vote is its quick score plus density_weight * log(1 + density). The density does
   // not count votes of the same patch.

@@ -130,15 +130,15 @@ TEST_F(RefinedCandidates, ShareLimitsTheRefinedCandidates) {
   EXPECT_GT(RefineCandidates(options, 1, 1).size(), 4u);
 }
 
-TEST_F(RefinedCandidates, UnknownBackgroundRefinesMoreCandidates) {
+TEST_F(RefinedCandidates, FittedBackgroundRefinesMoreCandidates) {
   CandidateRefinementOptions options;
   options.ambiguous_candidates = 0;
   options.min_quick_score = -1;
   options.candidates = options.min_candidates = 4;
   EXPECT_LE(RefineCandidates(options).size(), 4u);
-  cloud_ = BuildCloud(view_.frame, std::nullopt);
+  cloud_.background = BackgroundKind::kFitted;
   EXPECT_GT(RefineCandidates(options).size(), 4u);
-  options.unknown_background_factor = 1;
+  options.fitted_background_factor = 1;
   EXPECT_LE(RefineCandidates(options).size(), 4u);
 }
 
