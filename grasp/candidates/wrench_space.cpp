@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <queue>
@@ -160,9 +161,6 @@ struct Facet {
   bool alive = true;
 };
 
-// Common boundary of two adjacent facets: all points but one, sorted.
-using Ridge = std::array<int, kDim - 1>;
-
 class Polytope {
  public:
   Polytope(const WrenchSet& set, const WrenchDepthOptions& options) : set_(set), options_(options) {
@@ -256,21 +254,25 @@ class Polytope {
     return index;
   }
 
-  // Side of a new facet whose neighbor is another new facet.
+  // Side of a new facet whose neighbor is another new facet. Both share the apex and four more
+  // points, which are packed in two numbers, because the sides are sorted by them.
   struct OpenSide {
-    Ridge ridge;
+    std::array<std::uint64_t, 2> shared;
     int facet;
     int side;
-    bool operator<(const OpenSide& other) const { return ridge < other.ridge; }
+    bool operator<(const OpenSide& other) const { return shared < other.shared; }
   };
 
-  static Ridge RidgeWithout(const std::array<int, kDim>& points, int left_out) {
-    Ridge ridge;
+  // Returns the points without the apex and `left_out`, sorted and packed.
+  static std::array<std::uint64_t, 2> SharedPoints(const std::array<int, kDim>& points, int apex,
+                                                   int left_out) {
+    std::array<std::uint32_t, kDim - 2> rest;
     for (int p = 0, k = 0; p < kDim; ++p) {
-      if (p != left_out) ridge[k++] = points[p];
+      if (p != left_out && points[p] != apex) rest[k++] = static_cast<std::uint32_t>(points[p]);
     }
-    std::sort(ridge.begin(), ridge.end());
-    return ridge;
+    std::sort(rest.begin(), rest.end());
+    return {static_cast<std::uint64_t>(rest[0]) << 32 | rest[1],
+            static_cast<std::uint64_t>(rest[2]) << 32 | rest[3]};
   }
 
   // Connects new facets that share a ridge. Returns false if some ridge is not shared by exactly
@@ -278,7 +280,7 @@ class Polytope {
   bool Join(std::vector<OpenSide>& open) {
     std::sort(open.begin(), open.end());
     for (size_t i = 0; i < open.size(); i += 2) {
-      if (i + 1 == open.size() || open[i].ridge != open[i + 1].ridge) return false;
+      if (i + 1 == open.size() || open[i].shared != open[i + 1].shared) return false;
       facets_[open[i].facet].neighbors[open[i].side] = open[i + 1].facet;
       facets_[open[i + 1].facet].neighbors[open[i + 1].side] = open[i].facet;
     }
@@ -328,7 +330,7 @@ class Polytope {
           facets_[made].neighbors[i] = side.facet;
           facets_[side.facet].neighbors[side.across] = made;
         } else {
-          open.push_back({RidgeWithout(side.points, i), made, i});
+          open.push_back({SharedPoints(side.points, apex, i), made, i});
         }
       }
     }
