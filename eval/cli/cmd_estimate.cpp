@@ -93,6 +93,7 @@ int EstimateScenario(const ScenarioRequest& arguments, const std::vector<std::st
   const std::filesystem::path folder = OutFolder(out, scenario.name, "-estimate");
   const std::vector<ComparedEstimator> compared =
       NamedEstimators(arguments, estimators, scenario.spec.estimator);
+  RequireModes(scenario.spec, compared);
   const ToleranceMaps maps = MapsFor(scenario.spec, scenario.objects, tolerance);
   MakeFolder(folder / kPicturesFolder);
   constexpr std::chrono::seconds kClockSlack{1};  // resolution of file times
@@ -274,7 +275,10 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
   ScenarioSpec spec = BopSettings(bop, arguments, kEvenDoubtful);
   CheckInput(estimators.size() < 2,
              "--bop writes the estimates of one estimator; name only one with --estimator");
-  spec.estimator = NamedEstimators(arguments, estimators, spec.estimator).front().spec;
+  const std::vector<ComparedEstimator> named =
+      NamedEstimators(arguments, estimators, spec.estimator);
+  RequireModes(spec, named);
+  spec.estimator = named.front().spec;
   const std::filesystem::path folder = BopFolder(bop, out, "-estimate");
   const std::string name =
       fmt::format("{}_{}-{}", spec.estimator.name, DataSetName(bop.path), bop.split);

@@ -98,6 +98,17 @@ EstimatorSpec Labelled(const std::string& label, const EstimatorSpec& base) {
   return spec;
 }
 
+// Returns the settings of the scenario with the estimator in place of its own.
+ScenarioSpec SettingsWith(const ScenarioSpec& scenario, const ComparedEstimator& estimator) {
+  ScenarioSpec spec = scenario;
+  const bool is_named = estimator.spec.name != spec.estimator.name ||
+                        estimator.spec.mode != spec.estimator.mode ||
+                        estimator.spec.model != spec.estimator.model;
+  if (is_named) spec.places["estimator"] = "--estimator " + estimator.label;
+  spec.estimator = estimator.spec;
+  return spec;
+}
+
 class Comparison {
  public:
   explicit Comparison(const ComparisonJob& job) : job_(job), cell_(job.spec, job.objects) {
@@ -154,12 +165,7 @@ class Comparison {
   LiveRow Load(const ComparedEstimator& estimator) {
     LiveRow row;
     row.result.label = estimator.label;
-    ScenarioSpec spec = job_.spec;
-    const bool is_named = estimator.spec.name != spec.estimator.name ||
-                          estimator.spec.mode != spec.estimator.mode ||
-                          estimator.spec.model != spec.estimator.model;
-    if (is_named) spec.places["estimator"] = "--estimator " + estimator.label;
-    spec.estimator = estimator.spec;
+    const ScenarioSpec spec = SettingsWith(job_.spec, estimator);
     ReleaseFreedMemory();
     const size_t before = ResetPeakMemory();
     const auto start = Clock::now();
@@ -241,6 +247,14 @@ std::vector<ComparedEstimator> ParseEstimators(const std::vector<std::string>& l
     rows.push_back({label, Labelled(label, base)});
   }
   return rows;
+}
+
+void RequireModes(const ScenarioSpec& scenario, const std::vector<ComparedEstimator>& estimators) {
+  for (const ComparedEstimator& estimator : estimators) {
+    if (estimator.spec.name == kOracleName) continue;
+    const ScenarioSpec spec = SettingsWith(scenario, estimator);
+    WithSettingsKey(spec, "estimator", [&] { RequireMode(spec.estimator); });
+  }
 }
 
 std::vector<ComparedRow> CompareEstimators(const ComparisonJob& job) {

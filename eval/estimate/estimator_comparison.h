@@ -32,6 +32,10 @@ std::string CurrentLabel(const std::string& label);
 std::vector<ComparedEstimator> ParseEstimators(const std::vector<std::string>& labels,
                                                const EstimatorSpec& base);
 
+// Throws InputError if an estimator has no mode of the name that its settings give. The oracle uses
+// no mode.
+void RequireModes(const ScenarioSpec& scenario, const std::vector<ComparedEstimator>& estimators);
+
 // Result of one estimator on the image of one bin.
 struct ComparedImage {
   int trial = 0;

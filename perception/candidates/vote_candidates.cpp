@@ -87,7 +87,6 @@ CandidateOptions AccurateCandidates() {
   options.ambiguous_candidates = 40;
   options.ambiguous_poses = 6;
   options.rounds = 2;
-  options.later_density = 2;
   return options;
 }
 

@@ -70,12 +70,6 @@ constexpr EstimatorRow kEstimators[] = {
      .make = &MakeProcessEstimator},
 };
 
-void RequireMode(const EstimatorRow& row, const std::string& mode) {
-  if (std::ranges::find(row.modes, mode) != row.modes.end()) return;
-  throw InputError(UnknownNameMessage(fmt::format("mode of estimator {}", row.name), mode,
-                                      {row.modes.begin(), row.modes.end()}));
-}
-
 void RequireScores(const EstimatorSpec& spec) {
   CheckInput(
       !HasRawScores(spec) || spec.name == kProcessName,
@@ -96,13 +90,20 @@ const EstimatorRow& EstimatorNamed(const std::string& name) {
   throw InputError(UnknownNameMessage("estimator", name, names));
 }
 
+void RequireMode(const EstimatorSpec& spec) {
+  const EstimatorRow& row = EstimatorNamed(spec.name);
+  if (std::ranges::find(row.modes, spec.mode) != row.modes.end()) return;
+  throw InputError(UnknownNameMessage(fmt::format("mode of estimator {}", row.name), spec.mode,
+                                      {row.modes.begin(), row.modes.end()}));
+}
+
 int SearchBinning(const EstimatorSetup& setup) {
   return BinningFor(setup.intrinsics, setup.working_distance_m, SmallestDiameter_m(setup.objects));
 }
 
 std::unique_ptr<PoseEstimator> MakeEstimator(const EstimatorSetup& setup) {
   const EstimatorRow& row = EstimatorNamed(setup.spec.name);
-  RequireMode(row, setup.spec.mode);
+  RequireMode(setup.spec);
   CheckSettings("EstimatorSpec", setup.spec);
   RefinerNamed(setup.refiner);
   RequireScores(setup.spec);

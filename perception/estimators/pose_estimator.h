@@ -121,6 +121,9 @@ std::span<const EstimatorRow> EstimatorTable();
 // Returns the row with this name. Throws InputError with the known names if there is none.
 const EstimatorRow& EstimatorNamed(const std::string& name);
 
+// Throws InputError with the known names if the estimator of `spec` is unknown or has no such mode.
+void RequireMode(const EstimatorSpec& spec);
+
 // Makes the estimator setup.spec.name. With spec.calibration, its scores are the calibrated
 // probabilities. It then searches with the minimum score of the run on which the calibration was
 // fitted, and spec.min_score applies to the probabilities. Uncalibrated raw scores are replaced by

@@ -61,7 +61,7 @@ explain_page_shows_every_stage() {
     "$pickbed" estimate --bop set --explain 7/0 --out no
   refused "'ppf' does not report the stages" "$pickbed" estimate --bop set --explain 0 --estimator ppf --out no
   refused "this model belongs to 'descriptor', which --estimator does not name" "$pickbed" estimate demo --estimator ppf --set estimator.model=a.net --out no
-  refused "--estimator ppf:first: estimator: unknown mode" "$pickbed" estimate demo --estimator ppf:first --out mode
+  refused "--estimator ppf:first: estimator: unknown mode" "$pickbed" estimate demo --estimator ppf:first --out no
   refused "has no model after '='" "$pickbed" estimate demo --estimator kehl= --out no
   [ ! -e no ] || fail "a refused command left a folder"
 }

@@ -232,6 +232,29 @@ TEST(Comparison, LabelsNameEstimatorAndMode) {
   EXPECT_THROW(ParseEstimators({"pfp"}, EstimatorSpec()), InputError);
 }
 
+TEST(Comparison, UnknownModesAreRefusedWithTheirPlace) {
+  ScenarioSpec scenario;
+  const auto rows = [](const char* label) { return ParseEstimators({label}, EstimatorSpec()); };
+  EXPECT_NO_THROW(RequireModes(scenario, rows("wohlhart:accurate")));
+  EXPECT_NO_THROW(RequireModes(scenario, rows("oracle:any")));
+  try {
+    RequireModes(scenario, rows("wohlhart:first"));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("--estimator wohlhart:first: "));
+    EXPECT_THAT(error.what(), HasSubstr("fast, accurate"));
+  }
+  // The mode of the scenario file is named by its own place.
+  scenario.estimator.mode = "verified";
+  scenario.places["estimator"] = "bin.yaml:7";
+  try {
+    RequireModes(scenario, ParseEstimators({"descriptor"}, scenario.estimator));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("bin.yaml:7"));
+  }
+}
+
 TEST(Comparison, LabelsSelectTheModelFile) {
   EstimatorSpec base;
   base.model = "mine.net";
