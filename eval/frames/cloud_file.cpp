@@ -253,20 +253,21 @@ void AddMedian(int index, std::vector<double>& values, Line& line) {
 }
 
 // A point far from the ray of its pixel contradicts the others: it is damaged, or the cloud has the
-// frame of another camera.
+// frame of another camera. A point behind the camera has no depth, but its bytes may be damaged,
+// too.
 void RequireOnRays(const CameraIntrinsics& k, const Image<float>& depth_m, const Image<float>& x_m,
                    const Image<float>& y_m, const std::string& name) {
   const double limit_px = std::max(10.0, 0.05 * k.width());
   for (int v = 0; v < depth_m.height(); ++v) {
     for (int u = 0; u < depth_m.width(); ++u) {
-      if (!(depth_m(u, v) > 0)) continue;
       for (const float side_m : {x_m(u, v), y_m(u, v)}) {
-        // Rounding leaves more of a 0, so these are other bytes.
-        CheckInput(side_m == 0 || std::abs(side_m) > 1e-30,
+        // Rounding leaves more of a 0, so these are other bytes. NaN marks a missing point.
+        CheckInput(side_m == 0 || !(std::abs(side_m) <= 1e-30),
                    fmt::format("{}: the point in column {}, row {} has {:g}, so its bytes are "
                                "damaged; get the file again",
                                name, u, v, side_m));
       }
+      if (!(depth_m(u, v) > 0)) continue;
       const double off_px = std::hypot(k.fx() * x_m(u, v) / depth_m(u, v) + k.cx() - u,
                                        k.fy() * y_m(u, v) / depth_m(u, v) + k.cy() - v);
       CheckInput(off_px <= limit_px,

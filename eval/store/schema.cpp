@@ -153,7 +153,13 @@ std::string ChildRowsOfTrial() {
 
 void RequireKnownVersion(const Database& db) {
   const std::string text = db.Setting("schema_version");
-  if (text.empty()) return;  // a new file
+  if (text.empty()) {
+    // A new file has no table of trials yet.
+    if (db.HasTable("trials")) {
+      ThrowDamaged(db, "settings", "row 'schema_version'", "it is missing");
+    }
+    return;
+  }
   const int version = std::atoi(text.c_str());
   CheckInput(version <= kSchemaVersion,
              fmt::format("{} was written by a later version of pickbed (schema {}, here {}); use "

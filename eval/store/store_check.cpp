@@ -257,6 +257,10 @@ void CheckRows(const Database& db) {
   RequireUnique(db, "instances", "trial, attempt, instance");
   RequireUnique(db, "rejections", "trial, attempt, cause");
   RequireUnique(db, "instance_outcomes", "trial, instance, attempt");
+  RequireNoRow(db, "instance_outcomes",
+               "SELECT max(rowid) FROM instance_outcomes GROUP BY trial, instance HAVING "
+               "min(object) <> max(object)",
+               "another row has the same instance with another object");
   RequireUnique(db, "refusals", "trial, attempt, fault");
   // A refused scene has a row for each of its faults.
   RequireNoRow(db, "refusals",

@@ -11,7 +11,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <numeric>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "scenes/base/message_text.h"
@@ -178,6 +180,26 @@ void DecodeSmall(const unsigned char* bytes, size_t size, jpeg_decompress_struct
   jpeg_finish_decompress(&codec);
 }
 
+// Each symbol of a table has one code. Encoders write no symbol twice.
+bool HasSymbolTwice(const JHUFF_TBL& table) {
+  constexpr int kMaxLength = 16, kSymbols = 256;
+  const int count = std::accumulate(table.bits + 1, table.bits + 1 + kMaxLength, 0);
+  std::array<bool, kSymbols> seen{};
+  for (int i = 0; i < std::min(count, kSymbols); ++i) {
+    if (std::exchange(seen[table.huffval[i]], true)) return true;
+  }
+  return false;
+}
+
+bool HasDamagedTable(const jpeg_decompress_struct& codec) {
+  for (const auto& tables : {codec.dc_huff_tbl_ptrs, codec.ac_huff_tbl_ptrs}) {
+    for (int i = 0; i < NUM_HUFF_TBLS; ++i) {
+      if (tables[i] != nullptr && HasSymbolTwice(*tables[i])) return true;
+    }
+  }
+  return false;
+}
+
 std::string FaultOfJpeg(std::string_view bytes) {
   jpeg_decompress_struct codec{};
   JpegErrors errors{};
@@ -185,7 +207,9 @@ std::string FaultOfJpeg(std::string_view bytes) {
   errors.manager.error_exit = LeaveOnError;
   errors.manager.emit_message = KeepWarning;
   DecodeSmall(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), codec, errors);
+  const bool has_damaged_table = HasDamagedTable(codec);
   jpeg_destroy_decompress(&codec);
+  if (has_damaged_table) return "the JPEG is damaged: a table of codes has a symbol twice";
   if (errors.text[0] == 0) return "";
   return fmt::format("the JPEG is damaged: {}", OneLine(errors.text));
 }

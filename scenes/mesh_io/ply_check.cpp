@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdint>
@@ -198,6 +199,23 @@ class BinaryValues {
   size_t at_ = 0;
 };
 
+// Some properties of an element belong together. If one of them is missing, its name is damaged.
+void RequireWholeGroups(const std::filesystem::path& path, const Element& element) {
+  for (const auto& group : {std::array{"x", "y", "z"}, std::array{"nx", "ny", "nz"},
+                            std::array{"red", "green", "blue"}}) {
+    std::string found, missing;
+    for (const char* name : group) {
+      const bool is_there =
+          std::any_of(element.properties.begin(), element.properties.end(),
+                      [&](const Property& property) { return property.name == name; });
+      (is_there ? found : missing) = name;
+    }
+    if (found.empty() || missing.empty()) continue;
+    RefuseUnreadable(path, fmt::format("its elements '{}' have a property '{}' but none '{}'",
+                                       OneLine(element.name), found, missing));
+  }
+}
+
 // Reads the header.
 Header ReadHeader(const std::filesystem::path& path, std::ifstream& file, size_t& line_number) {
   Header header;
@@ -249,6 +267,7 @@ Header ReadHeader(const std::filesystem::path& path, std::ifstream& file, size_t
                                          line_number, OneLine(line)));
     }
   }
+  for (const Element& element : elements) RequireWholeGroups(path, element);
   return header;
 }
 
