@@ -154,8 +154,8 @@ std::string ChildRowsOfTrial() {
 void RequireKnownVersion(const Database& db) {
   const std::string text = db.Setting("schema_version");
   if (text.empty()) {
-    // A new file has no table of trials yet.
-    if (db.HasTable("trials")) {
+    // A new file has no tables yet.
+    if (db.HasTable("trials") && db.HasTable("settings")) {
       ThrowDamaged(db, "settings", "row 'schema_version'", "it is missing");
     }
     return;
