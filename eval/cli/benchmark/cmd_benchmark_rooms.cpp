@@ -9,6 +9,7 @@
 #include "eval/runtime/progress.h"
 #include "eval/summary/result_files.h"
 #include "eval/train/job.h"
+#include "perception/estimators/pose_estimator.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/base/message_text.h"
@@ -29,6 +30,7 @@ int RunRoomsTable(const RoomsArguments& arguments) {
   EstimatorSpec base;
   base.min_score = arguments.min_score;
   const EstimatorSpec spec = ParseEstimators({arguments.estimator}, base).front().spec;
+  RequireMode(spec);
   const std::filesystem::path folder = OutFolder(arguments.out, "rooms");
   MakeFolder(folder);
   CatchInterrupts();
