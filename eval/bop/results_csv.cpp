@@ -15,6 +15,7 @@ namespace pickbed::eval {
 namespace {
 
 constexpr double kFarthest_mm = 1e9;  // as in the files of a data set
+constexpr double kLongest_s = 1e7;    // almost four months for an image
 constexpr double kSameTime_s = 1e-3;  // maximum difference between the lines of an image
 
 std::vector<std::string> Split(const std::string& text, char separator) {
@@ -91,6 +92,9 @@ DatasetEstimate ParseLine(const std::string& text, const Line& line) {
     }
   }
   estimate.time_s = line.Number(fields[6], "time");
+  if (estimate.time_s > kLongest_s) {
+    line.Refuse(fmt::format("time has {} s, over {:g} s", estimate.time_s, kLongest_s));
+  }
   Eigen::Matrix3d R_CO;
   for (int i = 0; i < 9; ++i) R_CO(i / 3, i % 3) = R[i];
   if (const std::string wrong = RotationFault(R_CO); !wrong.empty()) line.Refuse("R " + wrong);

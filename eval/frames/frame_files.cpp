@@ -62,6 +62,12 @@ Image<float> ReadDepth(const std::filesystem::path& file, double given_scale_mm,
     const bool is_no_reading =
         image.is_float ? value == kRenderedSky || value == std::numeric_limits<float>::max()
                        : image.bits == 16 && value == kNoReading16;
+    // Programs mark holes with round negative numbers, or with the lowest one.
+    constexpr float kLowestMark = -1e6f;
+    const bool is_mark = value == std::numeric_limits<float>::lowest() || value == -kRenderedSky;
+    CheckInput(!image.is_float || !std::isfinite(value) || value >= kLowestMark || is_mark,
+               fmt::format("{}: a reading is {:g}, so its bytes are damaged; get the file again",
+                           file.string(), value));
     const bool is_hole = !std::isfinite(value) || value <= 0 || is_no_reading;
     value = is_hole ? 0 : value * unit_m;
     CheckInput(value == 0 || value >= kMinDepth_m,

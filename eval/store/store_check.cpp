@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <span>
 #include <string>
@@ -177,19 +178,38 @@ void ThrowDamaged(const Database& db, const std::string& table, const std::strin
 }
 
 // The settings of the store have the identity of each configuration, or its hash.
+namespace {
+
+// The settings of a sweep have a line "... HASH: NAME" for each configuration. A merged store puts
+// the name of a folder before the name in its table.
+bool IsNamed(const std::string& head, const std::string& hash, const std::string& name) {
+  const std::string before = hash + ": ";
+  const size_t at = head.find(before);
+  if (at == std::string::npos) return true;
+  const size_t begin = at + before.size();
+  const std::string stored = head.substr(begin, head.find('\n', begin) - begin);
+  return stored.empty() || name == stored || name.ends_with(":" + stored);
+}
+
+}  // namespace
+
 void CheckIdentities(const Database& db) {
   const std::string head = "\n" + db.Setting("scenario") + "\n";
-  Statement rows(db, "SELECT configuration, identity FROM configurations");
+  Statement rows(db, "SELECT configuration, identity, name FROM configurations");
   while (rows.Step()) {
     int number = 0;
-    std::string identity;
+    std::string identity, name;
     rows.Read(0, number);
     rows.Read(1, identity);
+    rows.Read(2, name);
     const std::string hash = fmt::format("{:016x}", HashBytes(identity.data(), identity.size()));
     const bool is_known = head.find("\n" + identity) != std::string::npos && !identity.empty();
-    if (is_known || head.find(hash) != std::string::npos) continue;
+    const bool is_listed = head.find(hash) != std::string::npos;
+    if (is_known || (is_listed && IsNamed(head, hash, name))) continue;
     ThrowDamaged(db, "configurations", fmt::format("configuration {}", number),
-                 "its identity is not in the settings of the store");
+                 is_listed ? fmt::format("the settings of the store have another name than '{}'",
+                                         OneLine(name))
+                           : "its identity is not in the settings of the store");
   }
 }
 
@@ -315,7 +335,11 @@ void CheckValues(const TrialResult& result) {
              "a number of instances is negative");
   // The target of an occlusion trial has an outcome for each attempt.
   std::set<std::pair<InstanceId, int>> decided;
+  std::map<InstanceId, ObjectId> objects;
   for (const InstanceOutcome& outcome : result.outcomes) {
+    CheckInput(
+        objects.emplace(outcome.instance, outcome.object).first->second == outcome.object,
+        fmt::format("in table 'instance_outcomes', instance {} is two objects", outcome.instance));
     CheckInput(
         decided.emplace(outcome.instance, outcome.attempt).second,
         fmt::format("in table 'instance_outcomes', instance {} is there twice", outcome.instance));

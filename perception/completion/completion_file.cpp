@@ -35,7 +35,7 @@ CompletionModel Parse(std::string_view bytes, const std::string& name, const std
   std::vector<float> weights(halves.size());
   for (size_t i = 0; i < halves.size(); ++i) weights[i] = FromHalf(halves[i]);
   // The statistics are means and variances of activations, which are larger than weights.
-  constexpr float kLargestWeight = 1e4f, kLargestStatistic = 1e6f;
+  constexpr float kLargestWeight = 100, kLargestStatistic = 1e6f;
   const auto within = [](const std::vector<float>& values, float largest) {
     return std::ranges::all_of(values, [&](float v) { return std::abs(v) <= largest; });
   };

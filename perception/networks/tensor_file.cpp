@@ -10,6 +10,7 @@
 
 #include "scenes/base/byte_blocks.h"
 #include "scenes/base/error.h"
+#include "scenes/base/message_text.h"
 #include "scenes/base/settings.h"
 
 namespace pickbed::perception {
@@ -149,7 +150,13 @@ const TensorFile::Entry& TensorFile::Find(const std::string& name, const std::st
   return found->second;
 }
 
-std::string TensorFile::Text(const std::string& name) const { return Find(name, kText).bytes; }
+std::string TensorFile::Text(const std::string& name) const {
+  const std::string& text = Find(name, kText).bytes;
+  const auto is_plain = [](unsigned char c) { return c >= ' ' || c == '\n' || c == '\t'; };
+  CheckInput(IsUtf8(text) && std::ranges::all_of(text, is_plain),
+             fmt::format("'{}' has bytes that are no text", name));
+  return text;
+}
 
 std::vector<float> TensorFile::Floats(const std::string& name) const {
   const std::vector<float> values = ValuesIn<float>(Find(name, kFloat32).bytes);

@@ -28,6 +28,8 @@ namespace {
 
 // In the unit of the file. Larger ones are damaged, also in micrometres.
 constexpr double kMaxCoordinate = 1e7;
+// Computations leave 0 or more, so a number nearer to 0 is made of other bytes.
+constexpr double kMinCoordinate = 1e-37;
 // Some programs write normals of the length of the face's area.
 constexpr double kMaxNormal = kMaxCoordinate * kMaxCoordinate;
 
@@ -315,6 +317,14 @@ ImportedMesh ImportMesh(const fs::path& path, double scale) {
   CheckInput(std::ranges::all_of(mesh.vertices, is_near),
              fmt::format("mesh '{}' has a coordinate over {:g}; export it again", path.string(),
                          kMaxCoordinate));
+  const auto has_remains = [](const Eigen::Vector3d& vertex) {
+    return (vertex.array() != 0 && vertex.array().abs() < kMinCoordinate).any();
+  };
+  CheckInput(
+      std::ranges::none_of(mesh.vertices, has_remains),
+      fmt::format("mesh '{}' has a coordinate that is not 0 but under {:g}, so its bytes are "
+                  "damaged; export it again",
+                  path.string(), kMinCoordinate));
   const size_t faces = mesh.triangles.size();
   DropDegenerate(mesh);
   imported.report.degenerate_faces = static_cast<int>(faces - mesh.triangles.size());

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/base/error.h"
 #include "scenes/base/message_text.h"
 #include "scenes/mesh_io/collada_check.h"
 #include "scenes/mesh_io/mesh_file_check.h"
@@ -79,7 +80,12 @@ std::string FaultOfObj(const std::vector<std::string_view>& words) {
   const auto shown = [](std::string_view word) { return "'" + OneLine(std::string(word)) + "'"; };
   if (!IsStatement(kind)) return fmt::format("begins with {}, which is no word", shown(kind));
   const bool has_numbers = kind == "v" || kind == "vn" || kind == "vt";
-  if (!has_numbers && kind != "f" && kind != "l" && kind != "p") return "";
+  if (!has_numbers && kind != "f" && kind != "l" && kind != "p") {
+    // Statements of other programs have names of their own.
+    const std::string near = NearestName(kind, {"usemtl", "mtllib", "usemap", "maplib"});
+    if (near.empty() || near == kind) return "";
+    return fmt::format("begins with the unknown word {}; did you mean {}?", shown(kind), near);
+  }
   for (size_t i = 1; i < words.size(); ++i) {
     if (has_numbers && !NumberIn(words[i])) return shown(words[i]) + " is no number";
     if (has_numbers) continue;

@@ -170,6 +170,10 @@ INSTANTIATE_TEST_SUITE_P(
                     "table 'refusals', trial 0: drop 7 is not the next one"},
         EditedStore{"INSERT INTO instance_outcomes SELECT * FROM instance_outcomes WHERE rowid = 2",
                     "trial 0: in table 'instance_outcomes', instance 1 is there twice"},
+        EditedStore{"UPDATE instance_outcomes SET instance = 1 WHERE rowid = 1",
+                    "trial 0: in table 'instance_outcomes', instance 1 is two objects"},
+        EditedStore{"DELETE FROM settings WHERE key = 'schema_version'",
+                    "table 'settings', row 'schema_version': it is missing"},
         EditedStore{"UPDATE attempts SET physical_failure = 'slipped', slip_m = NULL",
                     "table 'attempts', row 1: column 'slip_m': 'NULL' is no number"},
         EditedStore{"UPDATE hypotheses SET score = NULL WHERE rowid = 2",
@@ -199,6 +203,32 @@ INSTANTIATE_TEST_SUITE_P(
         EditedStore{"ALTER TABLE attempts DROP COLUMN slip_m",
                     "table 'attempts' has no column 'slip_m'"},
         EditedStore{"DROP TABLE hypotheses", "table 'hypotheses' has no column 'trial'"}));
+
+TEST(StoreCheckOfSweeps, ANameThatTheSettingsDoNotHaveIsRefused) {
+  const TemporaryFolder temporary;
+  StoreHead head;
+  head.configurations = {{0, "seed=5", 0, 1, 5, "a", "seed: 5"},
+                         {1, "seed=6", 1, 1, 6, "b", "seed: 6"}};
+  head.identity = SweepIdentity(head.configurations);
+  ResultsStore(temporary.path(), head).Write(FullTrial(0));
+  EXPECT_NO_THROW(ResultsStore::OpenToRead(temporary.path()));
+  const auto rename = [&](const std::string& name) {
+    Database(temporary.path() / kStoreFile, Database::Mode::kExisting)
+        .Execute("UPDATE configurations SET name = '" + name + "' WHERE configuration = 0");
+  };
+  rename("folder:seed=5");  // as in a merged store
+  EXPECT_NO_THROW(ResultsStore::OpenToRead(temporary.path()));
+  for (const char* name : {"seed=-", "xseed=5", "seed=6"}) {
+    rename(name);
+    try {
+      ResultsStore::OpenToRead(temporary.path());
+      FAIL() << name;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("table 'configurations', configuration 0"));
+      EXPECT_THAT(error.what(), HasSubstr(fmt::format("another name than '{}'", name)));
+    }
+  }
+}
 
 // A merge copies rows unread.
 TEST_F(StoreCheck, RowsAreCheckedTogetherBeforeTheyAreCopied) {
