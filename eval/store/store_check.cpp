@@ -177,22 +177,26 @@ void ThrowDamaged(const Database& db, const std::string& table, const std::strin
       fmt::format("{}: table '{}', {}: {}; {}", db.file(), table, place, fault, kRestoreAdvice));
 }
 
-// The settings of the store have the identity of each configuration, or its hash.
 namespace {
 
-// The settings of a sweep have a line "... HASH: NAME" for each configuration. A merged store puts
-// the name of a folder before the name in its table.
+// The settings of a sweep have a line "... HASH: NAME" for each configuration. Configurations that
+// differ only in the times of a cycle have the same hash. A merged store puts the name of a folder
+// before the name in its table.
 bool IsNamed(const std::string& head, const std::string& hash, const std::string& name) {
   const std::string before = hash + ": ";
-  const size_t at = head.find(before);
+  size_t at = head.find(before);
   if (at == std::string::npos) return true;
-  const size_t begin = at + before.size();
-  const std::string stored = head.substr(begin, head.find('\n', begin) - begin);
-  return stored.empty() || name == stored || name.ends_with(":" + stored);
+  for (; at != std::string::npos; at = head.find(before, at + 1)) {
+    const size_t begin = at + before.size();
+    const std::string stored = head.substr(begin, head.find('\n', begin) - begin);
+    if (stored.empty() || name == stored || name.ends_with(":" + stored)) return true;
+  }
+  return false;
 }
 
 }  // namespace
 
+// The settings of the store have the identity of each configuration, or its hash.
 void CheckIdentities(const Database& db) {
   const std::string head = "\n" + db.Setting("scenario") + "\n";
   Statement rows(db, "SELECT configuration, identity, name FROM configurations");

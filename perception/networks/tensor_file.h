@@ -41,8 +41,8 @@ class TensorFile {
   // Adds a tensor of one dimension.
   void Put(const std::string& name, const std::vector<float>& values);
 
-  // Read an entry. They throw InputError if it is missing or of another type, and Floats() also if
-  // a value is not finite.
+  // Read an entry. They throw InputError if it is missing or of another type, Text() also if it has
+  // bytes that are no text, and Floats() also if a value is not finite.
   std::string Text(const std::string& name) const;
   std::vector<float> Floats(const std::string& name) const;
   std::vector<int64_t> Integers(const std::string& name) const;

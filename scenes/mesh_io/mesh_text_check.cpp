@@ -82,6 +82,7 @@ std::string FaultOfObj(const std::vector<std::string_view>& words) {
   const bool has_numbers = kind == "v" || kind == "vn" || kind == "vt";
   if (!has_numbers && kind != "f" && kind != "l" && kind != "p") {
     // Statements of other programs have names of their own.
+    if (kind.size() < 4) return "";
     const std::string near = NearestName(kind, {"usemtl", "mtllib", "usemap", "maplib"});
     if (near.empty() || near == kind) return "";
     return fmt::format("begins with the unknown word {}; did you mean {}?", shown(kind), near);

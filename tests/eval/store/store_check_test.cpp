@@ -208,7 +208,8 @@ TEST(StoreCheckOfSweeps, ANameThatTheSettingsDoNotHaveIsRefused) {
   const TemporaryFolder temporary;
   StoreHead head;
   head.configurations = {{0, "seed=5", 0, 1, 5, "a", "seed: 5"},
-                         {1, "seed=6", 1, 1, 6, "b", "seed: 6"}};
+                         {1, "seed=6", 1, 1, 6, "b", "seed: 6"},
+                         {2, "cycle.move_s=2", 2, 1, 6, "b", "seed: 6"}};
   head.identity = SweepIdentity(head.configurations);
   ResultsStore(temporary.path(), head).Write(FullTrial(0));
   EXPECT_NO_THROW(ResultsStore::OpenToRead(temporary.path()));
