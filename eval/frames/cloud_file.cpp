@@ -252,22 +252,25 @@ void AddMedian(int index, std::vector<double>& values, Line& line) {
   line.Add(index, *median);
 }
 
+// Rounding leaves more of a 0, so a number nearer to it is made of other bytes. NaN marks a missing
+// point.
+void RequireSound(float side_m, int u, int v, const std::string& name) {
+  CheckInput(side_m == 0 || !(std::abs(side_m) <= 1e-30),
+             fmt::format("{}: the point in column {}, row {} has {:g}, so its bytes are damaged; "
+                         "get the file again",
+                         name, u, v, side_m));
+}
+
 // A point far from the ray of its pixel contradicts the others: it is damaged, or the cloud has the
-// frame of another camera. A point behind the camera has no depth, but its bytes may be damaged,
-// too.
+// frame of another camera.
 void RequireOnRays(const CameraIntrinsics& k, const Image<float>& depth_m, const Image<float>& x_m,
                    const Image<float>& y_m, const std::string& name) {
   const double limit_px = std::max(10.0, 0.05 * k.width());
   for (int v = 0; v < depth_m.height(); ++v) {
     for (int u = 0; u < depth_m.width(); ++u) {
-      for (const float side_m : {x_m(u, v), y_m(u, v)}) {
-        // Rounding leaves more of a 0, so these are other bytes. NaN marks a missing point.
-        CheckInput(side_m == 0 || !(std::abs(side_m) <= 1e-30),
-                   fmt::format("{}: the point in column {}, row {} has {:g}, so its bytes are "
-                               "damaged; get the file again",
-                               name, u, v, side_m));
-      }
       if (!(depth_m(u, v) > 0)) continue;
+      RequireSound(x_m(u, v), u, v, name);
+      RequireSound(y_m(u, v), u, v, name);
       const double off_px = std::hypot(k.fx() * x_m(u, v) / depth_m(u, v) + k.cx() - u,
                                        k.fy() * y_m(u, v) / depth_m(u, v) + k.cy() - v);
       CheckInput(off_px <= limit_px,
@@ -364,7 +367,10 @@ CloudFile ReadCloudFile(const std::filesystem::path& file, const CloudSize& size
 RgbdFrame FrameOfCloud(const CloudFile& cloud, const std::string& name, double unit_m) {
   RgbdFrame frame;
   frame.depth_m = Coordinate(cloud, "z", name, unit_m);
-  for (float& z : frame.depth_m.pixels()) {
+  const Image<float> x_m = Coordinate(cloud, "x", name, unit_m);
+  const Image<float> y_m = Coordinate(cloud, "y", name, unit_m);
+  for (int i = 0; i < static_cast<int>(frame.depth_m.size()); ++i) {
+    float& z = frame.depth_m.data()[i];
     CheckInput(z == 0 || !(std::abs(z) < kMinDepth_m),
                fmt::format("{}: a point is {:g} m away, so its bytes are damaged; get the file "
                            "again, or give the unit of its points",
@@ -373,10 +379,14 @@ RgbdFrame FrameOfCloud(const CloudFile& cloud, const std::string& name, double u
                fmt::format("{}: a point is {:g} m away, over {:g} m; get the file again, or give "
                            "the unit of its points",
                            name, z, kMaxDepth_m));
+    if (z < 0) {  // no reading, but its bytes may be damaged
+      const int u = i % cloud.width, v = i / cloud.width;
+      RequireSound(x_m(u, v), u, v, name);
+      RequireSound(y_m(u, v), u, v, name);
+    }
     if (!std::isfinite(z) || z < 0) z = 0;
   }
-  frame.intrinsics = FitIntrinsics(frame.depth_m, Coordinate(cloud, "x", name, unit_m),
-                                   Coordinate(cloud, "y", name, unit_m), name);
+  frame.intrinsics = FitIntrinsics(frame.depth_m, x_m, y_m, name);
   if (std::optional<Image<Rgb8>> color = ColorOf(cloud)) frame.color = *std::move(color);
   return frame;
 }

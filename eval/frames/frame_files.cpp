@@ -58,14 +58,13 @@ Image<float> ReadDepth(const std::filesystem::path& file, double given_scale_mm,
   }
   const auto unit_m = static_cast<float>(1e-3 * result.depth_scale_mm);
   constexpr float kNoReading16 = 65535, kRenderedSky = 1e10f;  // the latter as Blender writes it
-  constexpr float kLowestMark = -1e6f;
   for (float& value : image.values.pixels()) {
     const bool is_no_reading =
         image.is_float ? value == kRenderedSky || value == std::numeric_limits<float>::max()
                        : image.bits == 16 && value == kNoReading16;
-    // Programs mark holes with round negative numbers, or with the lowest one.
-    const bool is_mark = value == std::numeric_limits<float>::lowest() || value == -kRenderedSky;
-    CheckInput(!image.is_float || !std::isfinite(value) || value >= kLowestMark || is_mark,
+    // Programs mark holes with negative numbers as -32768, or with the lowest one of a type.
+    const bool is_mark = value >= -kRenderedSky || value == std::numeric_limits<float>::lowest();
+    CheckInput(!image.is_float || !std::isfinite(value) || is_mark,
                fmt::format("{}: a reading is {:g}, so its bytes are damaged; get the file again",
                            file.string(), value));
     const bool is_hole = !std::isfinite(value) || value <= 0 || is_no_reading;

@@ -152,14 +152,14 @@ std::string ChildRowsOfTrial() {
 }
 
 void RequireKnownVersion(const Database& db) {
+  // The version is written together with the tables. Another process may write them just now, so
+  // they are looked for first.
+  const bool has_tables = db.HasTable("trials") && db.HasTable("settings");
   const std::string text = db.Setting("schema_version");
-  if (text.empty()) {
-    // A new file has no tables yet.
-    if (db.HasTable("trials") && db.HasTable("settings")) {
-      ThrowDamaged(db, "settings", "row 'schema_version'", "it is missing");
-    }
-    return;
+  if (text.empty() && has_tables) {
+    ThrowDamaged(db, "settings", "row 'schema_version'", "it is missing");
   }
+  if (text.empty()) return;  // a new file
   const int version = std::atoi(text.c_str());
   CheckInput(version <= kSchemaVersion,
              fmt::format("{} was written by a later version of pickbed (schema {}, here {}); use "

@@ -7,10 +7,12 @@
 #include <map>
 #include <set>
 #include <span>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "eval/store/former_names.h"
 #include "eval/store/schema_internal.h"
 #include "eval/trial/timed_stages.h"
 #include "scenes/base/ids_format.h"
@@ -182,39 +184,55 @@ namespace {
 // The settings of a sweep have a line "... HASH: NAME" for each configuration. Configurations that
 // differ only in the times of a cycle have the same hash. A merged store puts the name of a folder
 // before the name in its table.
-bool IsNamed(const std::string& head, const std::string& hash, const std::string& name) {
-  const std::string before = hash + ": ";
-  size_t at = head.find(before);
-  if (at == std::string::npos) return true;
-  for (; at != std::string::npos; at = head.find(before, at + 1)) {
-    const size_t begin = at + before.size();
-    const std::string stored = head.substr(begin, head.find('\n', begin) - begin);
-    if (stored.empty() || name == stored || name.ends_with(":" + stored)) return true;
+class ConfigurationNames {
+ public:
+  explicit ConfigurationNames(const std::string& head) {
+    std::istringstream lines(head);
+    for (std::string line; std::getline(lines, line);) {
+      constexpr size_t kHashLength = 16;
+      const size_t colon = line.find(": ");
+      if (!line.starts_with("configuration ") || colon == std::string::npos) continue;
+      const size_t begin = std::max(colon, kHashLength) - kHashLength;
+      names_[line.substr(begin, colon - begin)].insert(line.substr(colon + 2));
+    }
   }
-  return false;
-}
+  // Returns whether some line has the name. True if no line has the hash.
+  bool Has(const std::string& hash, const std::string& name) const {
+    const auto found = names_.find(hash);
+    if (found == names_.end() || found->second.contains("")) return true;
+    for (size_t begin = 0; begin != std::string::npos;) {
+      const std::string rest = name.substr(begin);
+      if (found->second.contains(rest) || found->second.contains(NameWithCurrentNames(rest))) {
+        return true;
+      }
+      const size_t colon = name.find(':', begin);
+      begin = colon == std::string::npos ? colon : colon + 1;
+    }
+    return false;
+  }
+
+ private:
+  std::map<std::string, std::set<std::string>> names_;  // by hash
+};
 
 }  // namespace
 
 // The settings of the store have the identity of each configuration, or its hash.
 void CheckIdentities(const Database& db) {
   const std::string head = "\n" + db.Setting("scenario") + "\n";
-  Statement rows(db, "SELECT configuration, identity, name FROM configurations");
-  while (rows.Step()) {
-    int number = 0;
-    std::string identity, name;
-    rows.Read(0, number);
-    rows.Read(1, identity);
-    rows.Read(2, name);
+  const ConfigurationNames names(head);
+  ForEachRow<ConfigurationRow>(db, "configurations", "", [&](const ConfigurationRow& row) {
+    const StoredConfiguration& configuration = row.configuration;
+    const std::string& identity = configuration.identity;
     const std::string hash = fmt::format("{:016x}", HashBytes(identity.data(), identity.size()));
     const bool is_known = head.find("\n" + identity) != std::string::npos && !identity.empty();
     const bool is_listed = head.find(hash) != std::string::npos;
-    if (is_known || (is_listed && IsNamed(head, hash, name))) continue;
-    ThrowDamaged(db, "configurations", fmt::format("configuration {}", number),
+    if (is_known || (is_listed && names.Has(hash, configuration.name))) return;
+    ThrowDamaged(db, "configurations", fmt::format("configuration {}", configuration.number),
                  is_listed ? fmt::format("the settings of the store have another name than '{}'",
-                                         OneLine(name))
+                                         OneLine(configuration.name))
                            : "its identity is not in the settings of the store");
-  }
+  });
 }
 
 void CheckTables(const Database& db) {

@@ -136,10 +136,10 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
   for (ObjectSpec& object : same_for_all.objects) object.mesh.clear();
   std::string text = SettingsText(same_for_all);
   WithSettingsKey(spec, "estimator.name", [&] { RequireEstimator(spec.estimator.name); });
-  if (spec.estimator.name != kOracleName) {
+  const PlannerRow& planner = PlannerOf(spec, truth);
+  if (planner.needs_poses && spec.estimator.name != kOracleName) {
     WithSettingsKey(spec, "estimator", [&] { RequireMode(spec.estimator); });
   }
-  const PlannerRow& planner = PlannerOf(spec, truth);
   WithSettingsKey(spec, "refiner", [&] { RefinerNamed(spec.refiner); });
   WithSettingsKey(spec, "policy.ranking", [&] { RankingNamed(spec.policy.ranking); });
   WithSettingsKey(spec, "policy.success", [&] { DecidingRule(spec.policy.success); });

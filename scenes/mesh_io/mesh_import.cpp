@@ -317,12 +317,13 @@ ImportedMesh ImportMesh(const fs::path& path, double scale) {
   CheckInput(std::ranges::all_of(mesh.vertices, is_near),
              fmt::format("mesh '{}' has a coordinate over {:g}; export it again", path.string(),
                          kMaxCoordinate));
-  const auto has_remains = [](const Eigen::Vector3d& vertex) {
-    return (vertex.array() != 0 && vertex.array().abs() < kMinCoordinate).any();
+  const double smallest = kMinCoordinate * std::min(1.0, scale);
+  const auto has_remains = [smallest](const Eigen::Vector3d& vertex) {
+    return (vertex.array() != 0 && vertex.array().abs() < smallest).any();
   };
   CheckInput(
       std::ranges::none_of(mesh.vertices, has_remains),
-      fmt::format("mesh '{}' has a coordinate that is not 0 but under {:g}, so its bytes are "
+      fmt::format("mesh '{}' has a coordinate that is nearer to 0 than {:g}, so its bytes are "
                   "damaged; export it again",
                   path.string(), kMinCoordinate));
   const size_t faces = mesh.triangles.size();

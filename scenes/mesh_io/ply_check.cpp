@@ -199,8 +199,9 @@ class BinaryValues {
   size_t at_ = 0;
 };
 
-// Some properties of an element belong together. If one of them is missing, its name is damaged.
+// Some properties of a vertex belong together. If one of them is missing, its name is damaged.
 void RequireWholeGroups(const std::filesystem::path& path, const Element& element) {
+  if (element.name != "vertex") return;
   for (const auto& group : {std::array{"x", "y", "z"}, std::array{"nx", "ny", "nz"},
                             std::array{"red", "green", "blue"}}) {
     std::string found, missing;
