@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 TensorFile Example() {
   TensorFile file("test file", 3);
-  file.PutText("note", std::string("two\nlines: \"quoted\" \0 end", 25));
+  file.PutText("note", "two\nlines: \"quoted\"\tend \xc3\xa9");
   file.Put("weights", std::vector<float>{1, -2, 3.5f, 1e-30f, 5, 6}, {2, 3});
   file.Put("steps", std::vector<int64_t>{int64_t{1} << 60}, {});
   file.Put("empty", std::vector<float>{});
@@ -35,6 +35,16 @@ TEST(TensorFile, RoundTripKeepsEverything) {
   EXPECT_EQ(file.Shape("steps"), TensorShape{});
   EXPECT_TRUE(file.Floats("empty").empty());
   EXPECT_EQ(file.Bytes(), Example().Bytes());
+}
+
+TEST(TensorFile, TextsWithOtherBytesAreRefused) {
+  for (const std::string& text :
+       {std::string("a\0b", 3), std::string("a\x08"), std::string("\xff")}) {
+    TensorFile file("test file", 3);
+    file.PutText("note", text);
+    EXPECT_THAT(ErrorOf([&] { Parse(file.Bytes()).Text("note"); }),
+                HasSubstr("'note' has bytes that are no text"));
+  }
 }
 
 TEST(TensorFile, EveryCutAndEveryFlippedBitIsNoticed) {

@@ -63,6 +63,9 @@ TEST(PlyText, ValuesMustFitTheHeader) {
        "line 9 names the property 'blue' again"},
       {"a line end within a name", Replaced("uchar green", "uchar \rred"),
        "line 8 names the property 'red' again"},
+      {"a part of a color", Replaced("uchar green", "uchar gre@n"),
+       "its elements 'vertex' have a property 'blue' but none 'green'"},
+      {"a part of a position", Replaced("float x", "float a"), "have a property 'z' but none 'x'"},
       {"a list counted by a float", Replaced("list uchar", "list float"), "line 11 has an unknown"},
       {"an unknown statement", Replaced("property uchar red", "propert uchar red"),
        "line 7 of its header is no statement of PLY: 'propert uchar red'"},
@@ -98,7 +101,8 @@ std::string TwoFaces(bool is_big_endian) {
   const std::string face =
       number(2, 3) + std::string(12, '\1') + number(1, 7) + number(4, 2) + std::string(16, '\1');
   return "ply\nformat " + form +
-         " 1.0\nelement vertex 1\nproperty double x\nelement face 2\nproperty list ushort int "
+         " 1.0\nelement vertex 1\nproperty double quality\nelement face 2\nproperty list ushort "
+         "int "
          "vertex_indices\nproperty char flag\nproperty list int float64 weight\nend_header\n" +
          std::string(8, '\0') + face + face;
 }
