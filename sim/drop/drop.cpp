@@ -34,6 +34,7 @@ class Pouring {
   double Top_m() const;             // of the highest instance
   bool InBin(int index) const;
   bool StepUntilStill(double window_s, double limit_diameters, double deadline_s);
+  bool StepUntilCalm(bool may_pour_again);
   Movement MovementOf(int index) const;  // since the poses in still_X_WO_
   Movement LargestMovement() const;
   EnergySample Energy() const;
@@ -190,29 +191,46 @@ std::vector<int> Pouring::Faulty() const {
   return {faulty.begin(), faulty.end()};
 }
 
+// Steps until all instances are calm, at most for half of max_s. Returns whether they are. If they
+// may be poured again, it stops after a quarter of max_s if only few still move: a single rocking
+// instance would keep all others waiting.
+bool Pouring::StepUntilCalm(bool may_pour_again) {
+  constexpr size_t kPerMover = 10;  // "few" are at most one of this many
+  const double start_s = world_.time_s();
+  const auto step_to = [&](double share) {
+    return StepUntilStill(options_.calm_s, options_.calm_diameters,
+                          start_s + share * options_.max_s);
+  };
+  if (may_pour_again) {
+    if (step_to(0.25)) return true;
+    if (kPerMover * movers_.size() <= Poured().size()) return false;
+  }
+  return step_to(0.5);
+}
+
 // Faulty instances are poured again. Once all instances are calm, the funnel is removed. Instances
 // that leaned on it wake up and settle again or fall out. Then contacts are forgotten, and the
 // scene must come to rest again while it is kept awake, as in a world rebuilt from its poses. Each
 // stage has its share of max_s.
 void Pouring::Settle() {
-  double start_s = world_.time_s();
-  const auto deadline_s = [&](double share) { return start_s + share * options_.max_s; };
-  at_rest_ = StepUntilStill(options_.calm_s, options_.calm_diameters, deadline_s(0.5));
   const int rounds = options_.arrangement == Arrangement::kPacked ? 0 : options_.pour_again_rounds;
-  for (int round = 0; round < rounds && !world_.BlewUp(); ++round) {
+  double start_s = world_.time_s();
+  at_rest_ = StepUntilCalm(rounds > 0);
+  for (int round = 1; round <= rounds && !world_.BlewUp(); ++round) {
     const std::vector<int> faulty = Faulty();
     if (faulty.empty()) break;
     PourAgain(faulty);
     start_s = world_.time_s();
-    at_rest_ = StepUntilStill(options_.calm_s, options_.calm_diameters, deadline_s(0.5));
+    at_rest_ = StepUntilCalm(round < rounds);
   }
   if (world_.RemoveFunnel() > 0) {
-    at_rest_ = StepUntilStill(options_.calm_s, options_.calm_diameters, deadline_s(0.75));
+    at_rest_ =
+        StepUntilStill(options_.calm_s, options_.calm_diameters, start_s + 0.75 * options_.max_s);
   }
   if (options_.wake_s == 0) return;
   world_.ForgetContacts();
   world_.ForbidSleep();
-  at_rest_ = StepUntilStill(options_.wake_s, options_.wake_diameters, deadline_s(1));
+  at_rest_ = StepUntilStill(options_.wake_s, options_.wake_diameters, start_s + options_.max_s);
 }
 
 // Steps until all instances sleep, or until none moves by more than `limit_diameters` for
