@@ -7,6 +7,7 @@
 
 #include "perception/candidates/search_effort.h"
 #include "perception/model/ambiguous_poses.h"
+#include "perception/verify/physical_consistency.h"
 #include "scenes/base/parallel.h"
 
 namespace pickbed::perception {
@@ -216,15 +217,20 @@ std::vector<RawHypothesis> CandidateRefiner::Merged(std::vector<RawHypothesis> p
 }
 
 // Returns the ambiguous poses with most evidence, best first. The quick score preselects them,
-// because it costs a tenth of the evidence.
+// because it costs a tenth of the evidence. Poses inside the floor or a wall are left out: the
+// surface in front hides what is wrong with them, so they would take the places of others.
 std::vector<RawHypothesis> CandidateRefiner::BestAmbiguousPoses(const OrganizedCloud& cloud,
                                                                 const RawHypothesis& start,
                                                                 EvidenceScratch& scratch) const {
+  constexpr double kMaxOutsideDiameters = 0.1;  // penetration of the bin by a pose that is tried
   const double band_m = options_.icp.final_correspondence_distance_m;
+  const ModelPoints& model = models_[start.object];
+  const double max_outside_m = kMaxOutsideDiameters * model.diameter_m;
   std::vector<ScoredPose> rotated;  // the score is the quick score, later the evidence in nats
   for (const Pose& S_O : ambiguous_poses_[start.object]) {
     const Pose X_CO = start.X_CO * S_O;
-    rotated.push_back({QuickScore(cloud, models_[start.object], X_CO, band_m), X_CO});
+    if (MeasureContainment(cloud, model, X_CO).outside_m > max_outside_m) continue;
+    rotated.push_back({QuickScore(cloud, model, X_CO, band_m), X_CO});
   }
   KeepBest(std::max(options_.drawn, options_.ambiguous_poses), rotated);
   for (ScoredPose& pose : rotated) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "perception/verify/physical_consistency.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
 
@@ -212,6 +213,43 @@ TEST_F(RefinedCandidates, ObjectsShareTheBudgetOfAmbiguousPoses) {
   const auto& bracket = views_.objects()[0];
   EXPECT_GT(tried({bracket}), 4);
   EXPECT_EQ(tried({bracket, bracket, bracket, bracket}), 2);
+}
+
+// The floor is far below the scene first, then a quarter of a diameter above their deepest point.
+TEST_F(RefinedCandidates, AmbiguousPosesInsideTheFloorAreNotTried) {
+  constexpr double kMaxOutsideDiameters = 0.1;
+  const ObjectModel& bracket = *views_.objects()[0];
+  const ModelPoints points = MakeModelPoints(bracket);
+  float deepest_m = 0;
+  for (const LabelledInstance& instance : view_.instances) {
+    for (const Eigen::Vector3f& p_O : points.points_O) {
+      deepest_m = std::max(deepest_m, (instance.X_CO.cast<float>() * p_O).z());
+    }
+  }
+  const float quarter_m = 0.25f * static_cast<float>(bracket.diameter_m);
+  struct Tried {
+    int inside = 0, outside = 0;
+  };
+  const auto tried = [&](float floor_m) {
+    cloud_.planes = {{-Eigen::Vector3f::UnitZ(), -floor_m}};
+    const CandidateRefiner candidate_refiner(views_.objects(), {});
+    StageSeconds seconds;
+    EstimateTrace trace;
+    candidate_refiner.RefineCandidates(cloud_, ObjectId{0}, votes_, static_cast<int>(votes_.size()),
+                                       {}, seconds, &trace);
+    Tried counts;
+    for (const TracedRefinement& refinement : trace.refinements) {
+      if (!refinement.ambiguous_pose) continue;
+      const float outside_m = MeasureContainment(cloud_, points, refinement.before.X_CO).outside_m;
+      ++(outside_m > kMaxOutsideDiameters * bracket.diameter_m ? counts.outside : counts.inside);
+    }
+    return counts;
+  };
+  const Tried far = tried(10), near = tried(deepest_m - quarter_m);
+  EXPECT_EQ(far.outside, 0);
+  EXPECT_EQ(near.outside, 0);
+  EXPECT_GT(near.inside, 0);
+  EXPECT_LT(near.inside, far.inside);
 }
 
 TEST_F(RefinedCandidates, ResultIsIndependentOfThreads) {

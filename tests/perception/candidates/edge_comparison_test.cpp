@@ -110,5 +110,22 @@ TEST_F(EdgeComparison, PosesThatShowOtherEdgesAreNotCompared) {
   EXPECT_NEAR(scores_[1], 0.4, 1e-12);
 }
 
+// The depth of a mug shows where its handle is.
+TEST_F(EdgeComparison, PosesWithOtherDepthAreNotCompared) {
+  const auto mug = ObjectCatalog({AssetsDir() / "objects"}).Load("mug");
+  models_ = {MakeModelPoints(*mug)};
+  distances_ = {PoseDistance(*mug)};
+  const Pose X_turned = X_CO_ * Turned(0.25);
+  cloud_ = CloudWithEdgesOf(camera_, models_[0], X_CO_);
+  const EdgeSupport right = MeasureEdgeSupport(cloud_, models_[0], X_CO_);
+  const EdgeSupport wrong = MeasureEdgeSupport(cloud_, models_[0], X_turned);
+  ASSERT_GT(std::min(right.visible, wrong.visible), 40);
+  ASSERT_GT(right.mean, 1.5 * wrong.mean) << "compared, the edges would decide";
+  Add(X_turned, 0.5);
+  Add(X_CO_, 0.4);
+  Weigh();
+  EXPECT_EQ(scores_, (std::vector<double>{0.5, 0.4}));
+}
+
 }  // namespace
 }  // namespace pickbed::tests
