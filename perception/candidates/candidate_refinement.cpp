@@ -217,22 +217,28 @@ std::vector<RawHypothesis> CandidateRefiner::Merged(std::vector<RawHypothesis> p
 }
 
 // Returns the ambiguous poses with most evidence, best first. The quick score preselects them,
-// because it costs a tenth of the evidence. Poses inside the floor or a wall are left out: the
-// surface in front hides what is wrong with them, so they would take the places of others.
+// because it costs a tenth of the evidence. Poses that penetrate the floor or a wall deeply are
+// left out. Their wrong part is hidden behind it, so the evidence does not count against them, and
+// they would take the places of others.
 std::vector<RawHypothesis> CandidateRefiner::BestAmbiguousPoses(const OrganizedCloud& cloud,
                                                                 const RawHypothesis& start,
                                                                 EvidenceScratch& scratch) const {
-  constexpr double kMaxOutsideDiameters = 0.1;  // penetration of the bin by a pose that is tried
+  constexpr double kMaxOutsideDiameters = 0.1;  // maximum penetration of a pose that is tried
   const double band_m = options_.icp.final_correspondence_distance_m;
   const ModelPoints& model = models_[start.object];
-  const double max_outside_m = kMaxOutsideDiameters * model.diameter_m;
-  std::vector<ScoredPose> rotated;  // the score is the quick score, later the evidence in nats
+  std::vector<ScoredPose> by_quick_score;
   for (const Pose& S_O : ambiguous_poses_[start.object]) {
     const Pose X_CO = start.X_CO * S_O;
-    if (MeasureContainment(cloud, model, X_CO).outside_m > max_outside_m) continue;
-    rotated.push_back({QuickScore(cloud, model, X_CO, band_m), X_CO});
+    by_quick_score.push_back({QuickScore(cloud, model, X_CO, band_m), X_CO});
   }
-  KeepBest(std::max(options_.drawn, options_.ambiguous_poses), rotated);
+  KeepBest(by_quick_score.size(), by_quick_score);
+  const size_t max_count = std::max(options_.drawn, options_.ambiguous_poses);
+  std::vector<ScoredPose> rotated;  // the score is the evidence in nats
+  for (const ScoredPose& pose : by_quick_score) {
+    if (rotated.size() == max_count) break;
+    const Containment contained = MeasureContainment(cloud, model, pose.X_CO);
+    if (contained.outside_m <= kMaxOutsideDiameters * model.diameter_m) rotated.push_back(pose);
+  }
   for (ScoredPose& pose : rotated) {
     pose.score = evidence_[start.object](cloud, pose.X_CO, scratch).log_ratio;
   }

@@ -10,9 +10,8 @@ namespace {
 
 constexpr double kPlaceDiameters = 0.3;  // poses further apart are of different instances
 // Mean distance between the surfaces of compared poses, at most. Poses that differ by more also
-// have different depth images, from which the verifier separates them better. For mugs upside down
-// or with another angle of the handle (gaps of 0.015 to 0.03), the edges favour the wrong pose in
-// one of four pairs.
+// have different depth images, from which the verifier separates them better: of pairs of poses of
+// a mug with a gap of 0.015 to 0.03, the edges favour the wrong pose in one of four.
 constexpr double kMaxGapDiameters = 0.015;
 constexpr double kSamePoseDiameters = 0.1;  // poses nearer than this are one
 constexpr double kMinScore = 0.01;          // less likely candidates are no alternative

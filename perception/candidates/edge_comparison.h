@@ -1,7 +1,7 @@
 #pragma once
 
-// Comparison of the ambiguous poses of one instance by the brightness edges of the image. These
-// poses have nearly the same depth image, so the verifier gives them similar scores.
+// Comparison of the poses of one instance that have nearly the same depth image, by the brightness
+// edges of the image. The verifier gives these poses similar scores.
 
 #include <span>
 #include <vector>

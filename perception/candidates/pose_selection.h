@@ -24,8 +24,8 @@ struct PoseSelectionOptions {
 };
 
 // Returns the score of each candidate: the verifier's, lowered for an image unlike the training
-// images (image_domain.h), divided among ambiguous poses by the edges of the image
-// (edge_comparison.h), and lowered if the surface texture contradicts the pose. The
+// images (image_domain.h), divided by the edges of the image among poses with nearly the same depth
+// image (edge_comparison.h), and lowered if the surface texture contradicts the pose. The
 // texture is compared only for scores of at least options.min_score. `models`, `distances` and
 // `verifiers` are by object index.
 std::vector<double> CandidateScores(const OrganizedCloud& cloud,

@@ -33,7 +33,8 @@ class Pouring {
   void StepFor(double duration_s);  // also removes bodies that fell beside the bin
   double Top_m() const;             // of the highest instance
   bool InBin(int index) const;
-  bool StepUntilStill(double window_s, double limit_diameters, double deadline_s);
+  bool StepUntilStill(double window_s, double limit_diameters, double deadline_s,
+                      double few_deadline_s);
   bool StepUntilCalm(bool may_pour_again);
   Movement MovementOf(int index) const;  // since the poses in still_X_WO_
   Movement LargestMovement() const;
@@ -192,20 +193,13 @@ std::vector<int> Pouring::Faulty() const {
 }
 
 // Steps until all instances are calm, at most for half of max_s. Returns whether they are. If they
-// may be poured again, it stops after a quarter of max_s if only few still move: a single rocking
+// may be poured again, a few that still move after a quarter of max_s end it: a single rocking
 // instance would keep all others waiting.
 bool Pouring::StepUntilCalm(bool may_pour_again) {
-  constexpr size_t kPerMover = 10;  // "few" are at most one of this many
   const double start_s = world_.time_s();
-  const auto step_to = [&](double share) {
-    return StepUntilStill(options_.calm_s, options_.calm_diameters,
-                          start_s + share * options_.max_s);
-  };
-  if (may_pour_again) {
-    if (step_to(0.25)) return true;
-    if (kPerMover * movers_.size() <= Poured().size()) return false;
-  }
-  return step_to(0.5);
+  const double patience_s = may_pour_again ? 0.25 * options_.max_s : options_.max_s;
+  return StepUntilStill(options_.calm_s, options_.calm_diameters, start_s + 0.5 * options_.max_s,
+                        start_s + patience_s);
 }
 
 // Faulty instances are poured again. Once all instances are calm, the funnel is removed. Instances
@@ -224,18 +218,22 @@ void Pouring::Settle() {
     at_rest_ = StepUntilCalm(round < rounds);
   }
   if (world_.RemoveFunnel() > 0) {
-    at_rest_ =
-        StepUntilStill(options_.calm_s, options_.calm_diameters, start_s + 0.75 * options_.max_s);
+    const double deadline_s = start_s + 0.75 * options_.max_s;
+    at_rest_ = StepUntilStill(options_.calm_s, options_.calm_diameters, deadline_s, deadline_s);
   }
   if (options_.wake_s == 0) return;
   world_.ForgetContacts();
   world_.ForbidSleep();
-  at_rest_ = StepUntilStill(options_.wake_s, options_.wake_diameters, start_s + options_.max_s);
+  const double deadline_s = start_s + options_.max_s;
+  at_rest_ = StepUntilStill(options_.wake_s, options_.wake_diameters, deadline_s, deadline_s);
 }
 
 // Steps until all instances sleep, or until none moves by more than `limit_diameters` for
-// `window_s`. Returns whether this happened before the deadline.
-bool Pouring::StepUntilStill(double window_s, double limit_diameters, double deadline_s) {
+// `window_s`. Returns whether this happened before the deadline. After `few_deadline_s`, it gives
+// up as soon as at most one of ten instances moves by more.
+bool Pouring::StepUntilStill(double window_s, double limit_diameters, double deadline_s,
+                             double few_deadline_s) {
+  constexpr size_t kPerMover = 10;
   still_X_WO_.clear();
   double since_s = 0;
   while (!world_.BlewUp()) {
@@ -246,6 +244,10 @@ bool Pouring::StepUntilStill(double window_s, double limit_diameters, double dea
       for (size_t i = 0; i < still_X_WO_.size(); ++i) {
         const int index = static_cast<int>(i);
         if (MovementOf(index).diameters > limit_diameters) movers_.push_back(index);
+      }
+      const bool is_late = since_s >= few_deadline_s;
+      if (is_late && !movers_.empty() && kPerMover * movers_.size() <= Poured().size()) {
+        return false;
       }
       still_X_WO_.clear();
       for (int i = 0; i < world_.instance_count(); ++i) still_X_WO_.push_back(world_.X_WO(i));

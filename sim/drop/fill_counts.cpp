@@ -113,7 +113,7 @@ std::vector<int> MeasuredCounts(const Bin& bin, const ObjectSet& objects,
 std::filesystem::path FileOf(const Bin& bin, const ObjectSet& objects,
                              const std::vector<int>& shares, double fill,
                              const DropOptions& options) {
-  constexpr int kVersion = 2;  // raise it when drops or the measurement change
+  constexpr int kVersion = 3;  // raise it when drops or the measurement change
   DropOptions copy = options;
   std::string key = fmt::format("{} {} {} {} {} {} {} {}", kVersion, bin.inner_size_m.x(),
                                 bin.inner_size_m.y(), bin.inner_size_m.z(), bin.wall_m,
