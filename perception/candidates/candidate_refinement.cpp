@@ -65,6 +65,8 @@ void CandidateRefinementOptions::Visit(SettingsVisitor& v) {
             "number of ambiguous poses refined per pose");
   v.Integer("drawn", drawn, {1, 1000},
             "number of ambiguous poses per pose whose evidence is measured");
+  v.Bool("rivals_of_best", rivals_of_best,
+         "whether the ambiguous poses of the pose with most evidence at each place are tried, too");
   v.RenamedKey("least_quick_score", "min_quick_score");
   v.Real("min_quick_score", min_quick_score, {-1, 1}, "minimum quick score of a refined pose");
   v.Integer("fine_points", fine_points, {6, 512}, "number of points in the second refinement");
@@ -248,21 +250,24 @@ std::vector<RawHypothesis> CandidateRefiner::BestAmbiguousPoses(const OrganizedC
   return best;
 }
 
-// `poses` are of one object, best first.
-void CandidateRefiner::AddAmbiguousPoses(const OrganizedCloud& cloud, double scene_effort,
-                                         EstimateTrace* trace,
-                                         std::vector<RawHypothesis>& poses) const {
-  constexpr int kStartsAtPlace = 2;
-  const size_t max_starts = AmbiguousStarts(scene_effort);
-  if (poses.empty()) return;
+// Returns the first poses at each place. `poses` are of one object, best first.
+std::vector<RawHypothesis> CandidateRefiner::BestAtEachPlace(
+    const std::vector<RawHypothesis>& poses, int max_at_place, int max_count) const {
+  std::vector<RawHypothesis> best;
+  if (poses.empty()) return best;
   const ModelPoints& model = models_[poses.front().object];
   Crowding places(kSamePlaceDiameters * model.diameter_m);
-  std::vector<RawHypothesis> starts;
   for (const RawHypothesis& pose : poses) {
-    if (starts.size() == max_starts) break;
+    if (static_cast<int>(best.size()) == max_count) break;
     const Eigen::Vector3d center_C = pose.X_CO * model.center_O.cast<double>();
-    if (places.Admit(center_C, kStartsAtPlace)) starts.push_back(pose);
+    if (places.Admit(center_C, max_at_place)) best.push_back(pose);
   }
+  return best;
+}
+
+std::vector<RawHypothesis> CandidateRefiner::RefinedAmbiguousPoses(
+    const OrganizedCloud& cloud, const std::vector<RawHypothesis>& starts,
+    EstimateTrace* trace) const {
   std::vector<std::vector<RawHypothesis>> found(starts.size());
   ForRanges(static_cast<int>(starts.size()), threads_, [&](int begin, int end) {
     EvidenceScratch scratch;
@@ -272,7 +277,48 @@ void CandidateRefiner::AddAmbiguousPoses(const OrganizedCloud& cloud, double sce
   for (const std::vector<RawHypothesis>& of_start : found) {
     rotated.insert(rotated.end(), of_start.begin(), of_start.end());
   }
-  for (const RawHypothesis& pose : AllRefined(cloud, rotated, true, trace)) poses.push_back(pose);
+  return AllRefined(cloud, rotated, true, trace);
+}
+
+// Whether one of the poses is within this distance, in diameters.
+bool CandidateRefiner::IsNearAny(const RawHypothesis& pose,
+                                 const std::vector<RawHypothesis>& others, double diameters) const {
+  const PoseDistance& distance = distances_[pose.object];
+  const Eigen::Vector3d center_O = models_[pose.object].center_O.cast<double>();
+  const Eigen::Vector3d center_C = pose.X_CO * center_O;
+  const double max_m = diameters * distance.diameter_m();
+  return std::any_of(others.begin(), others.end(), [&](const RawHypothesis& other) {
+    return (other.X_CO * center_O - center_C).norm() < max_m &&
+           distance(pose.X_CO, other.X_CO) < diameters;
+  });
+}
+
+// The starts have the best quick scores, which says little about their evidence. If the pose with
+// most evidence at a place was no start, its ambiguous poses are its strongest rivals, and they are
+// missing. Then it gets a high score without being compared with them.
+std::vector<RawHypothesis> CandidateRefiner::MissingRivals(const OrganizedCloud& cloud,
+                                                           const std::vector<RawHypothesis>& starts,
+                                                           const std::vector<Candidate>& candidates,
+                                                           EstimateTrace* trace) const {
+  constexpr double kSamePoseDiameters = 0.1;
+  std::vector<const Candidate*> by_evidence;
+  for (const Candidate& candidate : candidates) by_evidence.push_back(&candidate);
+  std::stable_sort(
+      by_evidence.begin(), by_evidence.end(),
+      [](const Candidate* a, const Candidate* b) { return a->evidence > b->evidence; });
+  std::vector<RawHypothesis> poses;
+  for (const Candidate* candidate : by_evidence) {
+    poses.push_back({candidate->hypothesis.object, candidate->hypothesis.X_CO});
+  }
+  std::vector<RawHypothesis> best = BestAtEachPlace(poses, 1, static_cast<int>(starts.size()));
+  std::erase_if(
+      best, [&](const RawHypothesis& pose) { return IsNearAny(pose, starts, kSamePoseDiameters); });
+  std::vector<RawHypothesis> rivals = RefinedAmbiguousPoses(cloud, best, trace);
+  std::erase_if(rivals, [&](const RawHypothesis& rival) {
+    return IsNearAny(rival, poses, options_.merge_diameters);
+  });
+  const size_t all = rivals.size();
+  return Merged(std::move(rivals), all);
 }
 
 std::vector<Candidate> CandidateRefiner::WithFeatures(const OrganizedCloud& cloud,
@@ -313,10 +359,11 @@ std::vector<Candidate> CandidateRefiner::RefineCandidates(
     const OrganizedCloud& cloud, ObjectId object, const std::vector<PoseVote>& votes,
     const std::vector<PoseVote>& cast, int patches, const SearchEffort& effort,
     StageSeconds& seconds, EstimateTrace* trace) const {
+  constexpr int kStartsAtPlace = 2;  // poses at one place whose ambiguous poses are tried
   const bool is_fitted = cloud.background == BackgroundKind::kFitted;
   const double scene = (is_fitted ? options_.fitted_background_factor : 1) * effort.scene;
   const int kept = Kept({.scene = scene, .share = effort.share});
-  std::vector<RawHypothesis> poses;
+  std::vector<RawHypothesis> poses, starts;
   {
     const StageTimer timer(seconds, "quick");
     poses = QuickScored(cloud, object, votes);
@@ -334,12 +381,29 @@ std::vector<Candidate> CandidateRefiner::RefineCandidates(
   }
   {
     const StageTimer timer(seconds, "ambiguous_poses");
-    AddAmbiguousPoses(cloud, scene, trace, poses);
+    starts = BestAtEachPlace(poses, kStartsAtPlace, AmbiguousStarts(scene));
+    for (const RawHypothesis& pose : RefinedAmbiguousPoses(cloud, starts, trace)) {
+      poses.push_back(pose);
+    }
     const size_t all = poses.size();
     poses = Merged(std::move(poses), all);
   }
-  const StageTimer timer(seconds, "verify");
-  return WithFeatures(cloud, poses, *density, patches / effort.scene);
+  std::vector<Candidate> candidates;
+  const auto add = [&](const std::vector<RawHypothesis>& more) {
+    const StageTimer timer(seconds, "verify");
+    for (Candidate& candidate : WithFeatures(cloud, more, *density, patches / effort.scene)) {
+      candidates.push_back(std::move(candidate));
+    }
+  };
+  add(poses);
+  if (!options_.rivals_of_best) return candidates;
+  std::vector<RawHypothesis> rivals;
+  {
+    const StageTimer timer(seconds, "ambiguous_poses");
+    rivals = MissingRivals(cloud, starts, candidates, trace);
+  }
+  add(rivals);
+  return candidates;
 }
 
 std::vector<int> CandidateRefiner::Unexplained(const OrganizedCloud& cloud,

@@ -49,6 +49,8 @@ struct CandidateRefinementOptions {
   int ambiguous_candidates = 12;
   int ambiguous_poses = 3;  // ambiguous poses refined per pose, by decreasing evidence
   int drawn = 12;           // ambiguous poses per pose whose evidence is measured, by quick score
+  // Whether the ambiguous poses of the pose with most evidence at each place are tried, too.
+  bool rivals_of_best = false;
   // Refined poses with a lower quick score are dropped. The others are refined again with more
   // points.
   double min_quick_score = 0.05;
@@ -118,8 +120,17 @@ class CandidateRefiner {
                                         const std::vector<RawHypothesis>& starts,
                                         bool ambiguous_poses, EstimateTrace* trace) const;
   std::vector<RawHypothesis> Merged(std::vector<RawHypothesis> poses, size_t max_count) const;
-  void AddAmbiguousPoses(const OrganizedCloud& cloud, double scene_effort, EstimateTrace* trace,
-                         std::vector<RawHypothesis>& poses) const;
+  std::vector<RawHypothesis> BestAtEachPlace(const std::vector<RawHypothesis>& poses,
+                                             int max_at_place, int max_count) const;
+  std::vector<RawHypothesis> RefinedAmbiguousPoses(const OrganizedCloud& cloud,
+                                                   const std::vector<RawHypothesis>& starts,
+                                                   EstimateTrace* trace) const;
+  bool IsNearAny(const RawHypothesis& pose, const std::vector<RawHypothesis>& others,
+                 double diameters) const;
+  std::vector<RawHypothesis> MissingRivals(const OrganizedCloud& cloud,
+                                           const std::vector<RawHypothesis>& starts,
+                                           const std::vector<Candidate>& candidates,
+                                           EstimateTrace* trace) const;
   std::vector<RawHypothesis> BestAmbiguousPoses(const OrganizedCloud& cloud,
                                                 const RawHypothesis& start,
                                                 EvidenceScratch& scratch) const;

@@ -86,6 +86,7 @@ CandidateOptions AccurateCandidates() {
   options.two_correspondence_distances = true;
   options.ambiguous_candidates = 40;
   options.ambiguous_poses = 6;
+  options.rivals_of_best = true;
   options.rounds = 2;
   return options;
 }

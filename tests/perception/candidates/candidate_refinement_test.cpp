@@ -14,10 +14,12 @@ namespace {
 // A clutter scene of brackets, with votes near each true pose and votes with random rotations.
 class RefinedCandidates : public testing::Test {
  protected:
-  RefinedCandidates()
-      : views_({ObjectOf(BracketMesh())}),
-        view_(views_.ClutterScene({21, 1}).front()),
-        cloud_(BuildCloud(view_.frame, OutOfSightBin())) {
+  RefinedCandidates() : views_({ObjectOf(BracketMesh())}) { LookAt(21); }
+
+  void LookAt(uint64_t scene) {
+    view_ = views_.ClutterScene({scene, 1}).front();
+    cloud_ = BuildCloud(view_.frame, OutOfSightBin());
+    votes_.clear();
     Rng rng(5);
     for (const LabelledInstance& instance : view_.instances) {
       for (int i = 0; i < 3; ++i) {
@@ -250,6 +252,37 @@ TEST_F(RefinedCandidates, AmbiguousPosesInsideTheFloorAreNotTried) {
   EXPECT_EQ(near.outside, 0);
   EXPECT_GT(near.inside, 0);
   EXPECT_LT(near.inside, far.inside);
+}
+
+// Ambiguous poses are tried for one vote. In some scenes, it is not the pose with most evidence.
+TEST_F(RefinedCandidates, RivalsOfTheBestPoseAreAdded) {
+  const PoseDistance distance(*views_.objects()[0]);
+  const Eigen::Vector3d center_O = views_.objects()[0]->mass.com_O;
+  int added = 0;
+  for (uint64_t scene = 0; scene < 12; ++scene) {
+    LookAt(scene);
+    CandidateRefinementOptions options;
+    options.ambiguous_candidates = 1;
+    const std::vector<Candidate> without = RefineCandidates(options);
+    options.rivals_of_best = true;
+    const std::vector<Candidate> with = RefineCandidates(options);
+    ASSERT_GE(with.size(), without.size());
+    const Candidate& best = *std::ranges::max_element(without, {}, &Candidate::evidence);
+    for (size_t i = 0; i < with.size(); ++i) {
+      const Pose& X_CO = with[i].hypothesis.X_CO;
+      if (i < without.size()) {
+        EXPECT_EQ(X_CO.matrix(), without[i].hypothesis.X_CO.matrix());
+        continue;
+      }
+      ++added;
+      const double moved_m = (X_CO * center_O - best.hypothesis.X_CO * center_O).norm();
+      EXPECT_LT(moved_m, 0.3 * distance.diameter_m());
+      for (const Candidate& other : without) {
+        EXPECT_GE(distance(X_CO, other.hypothesis.X_CO), options.merge_diameters);
+      }
+    }
+  }
+  EXPECT_GT(added, 0);
 }
 
 TEST_F(RefinedCandidates, ResultIsIndependentOfThreads) {
