@@ -29,6 +29,28 @@ std::filesystem::path FileIn(const std::filesystem::path& folder) {
 
 bool HoldsTrials(const Database& db) { return Statement(db, "SELECT 1 FROM trials").Step(); }
 
+// Returns ResultsStore::Outcomes() of the attempts for which an SQL condition holds.
+std::map<int, Cluster> OutcomesWhere(const Database& db, std::string_view condition) {
+  Statement statement(
+      db, fmt::format("SELECT trial, sum(executed AND failure = ?), sum(executed OR failure IN (?, "
+                      "?)) FROM attempts WHERE {} GROUP BY trial ORDER BY trial",
+                      condition));
+  statement.Bind(1, FailureReason::kNone);
+  statement.Bind(2, FailureReason::kStirred);
+  statement.Bind(3, FailureReason::kPhysicsFailed);  // of a stir
+  std::map<int, Cluster> outcomes;
+  ReadAt(db, "attempts", "numbers of successes", [&] {
+    while (statement.Step()) {
+      int trial = 0;
+      statement.Read(0, trial);
+      Cluster& outcome = outcomes[trial];
+      statement.Read(1, outcome.hits);
+      statement.Read(2, outcome.samples);
+    }
+  });
+  return outcomes;
+}
+
 // Keeps the journal file between transactions, with a zeroed header. No program takes such a
 // journal for a transaction to roll back. Creating and removing the file for each transaction costs
 // more syncs of the folder than the rows of a trial. It is as safe, since the same data is synced
@@ -301,25 +323,14 @@ std::vector<CrashedTrial> ResultsStore::Crashed() const {
   return crashed;
 }
 
-std::map<int, Cluster> ResultsStore::Outcomes() const {
-  Statement statement(impl_->db,
-                      "SELECT trial, sum(executed AND failure = ?), sum(executed OR failure IN (?, "
-                      "?)) FROM attempts "
-                      "GROUP BY trial ORDER BY trial");
-  statement.Bind(1, FailureReason::kNone);
-  statement.Bind(2, FailureReason::kStirred);
-  statement.Bind(3, FailureReason::kPhysicsFailed);  // of a stir
-  std::map<int, Cluster> outcomes;
-  ReadAt(impl_->db, "attempts", "numbers of successes", [&] {
-    while (statement.Step()) {
-      int trial = 0;
-      statement.Read(0, trial);
-      Cluster& outcome = outcomes[trial];
-      statement.Read(1, outcome.hits);
-      statement.Read(2, outcome.samples);
-    }
-  });
-  return outcomes;
+std::map<int, Cluster> ResultsStore::Outcomes() const { return OutcomesWhere(impl_->db, "true"); }
+
+std::optional<Cluster> ResultsStore::OutcomeOf(int trial) const {
+  Statement statement(impl_->db, "SELECT 1 FROM trials WHERE trial = ? AND status = ?");
+  statement.Bind(1, trial);
+  statement.Bind(2, std::string(kFinished));
+  if (!statement.Step()) return std::nullopt;
+  return OutcomesWhere(impl_->db, fmt::format("trial = {}", trial))[trial];
 }
 
 std::vector<TrialResult> ResultsStore::ReadAll() const {

@@ -98,6 +98,9 @@ class ResultsStore {
   // Returns (successes, executed grasps) of each trial with at least one attempt. Reads no other
   // data.
   std::map<int, Cluster> Outcomes() const;
+  // Returns (successes, executed grasps) of a trial, or nullopt if it is not in the store or
+  // crashed.
+  std::optional<Cluster> OutcomeOf(int trial) const;
   // Reads all trials that did not crash, with their times, ordered by trial number.
   std::vector<TrialResult> ReadAll() const;
   // Same, for trials [first, end).

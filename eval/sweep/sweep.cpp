@@ -51,14 +51,13 @@ void WriteSettingsFiles(const Sweep& sweep, const StoreHead& head,
   }
 }
 
-// Stores a trial that crashed its worker twice. This process opens the store only for a moment.
-CrashedTrial NoteCrash(const Sweep& sweep, const StoreHead& head,
-                       const std::filesystem::path& folder, int trial, const std::string& why) {
+// Stores a trial that crashed its worker twice.
+CrashedTrial NoteCrash(const Sweep& sweep, ResultsStore& store, int trial, const std::string& why) {
   const Configuration& configuration = ConfigurationOf(sweep, trial);
   const CrashedTrial crashed{trial, configuration.number,
                              BinIndex(trial - configuration.first_trial), configuration.spec.seed,
                              why};
-  ResultsStore(folder, head).WriteCrashed(crashed);
+  store.WriteCrashed(crashed);
   return crashed;
 }
 
@@ -185,7 +184,14 @@ WorkerPlan SweepCall::PlanOf(const StoreHead& head) {
     Note(item, trial);
   };
   plan.on_lost = [this, &head](int trial, const std::string& why) {
-    report_.crashed.push_back(NoteCrash(sweep_, head, folder_, trial, why));
+    ResultsStore store(folder_, head);  // open only for a moment
+    // The last worker may have been killed after it stored the trial and before its reply.
+    if (const auto stored = store.OutcomeOf(trial)) {
+      state_.trials.push_back(*stored);
+      Note(trial, *stored);
+      return;
+    }
+    report_.crashed.push_back(NoteCrash(sweep_, store, trial, why));
     ++state_.crashed;
     Note(trial, {});
   };

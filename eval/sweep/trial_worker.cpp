@@ -25,9 +25,7 @@ struct WorkerState {
 };
 
 // Reply line of a finished trial: executed grasps, successes, seconds.
-std::string ReplyOf(const TrialResult& result, StageSeconds& seconds) {
-  Cluster outcome;
-  SuccessOfAttempts()(result, outcome);
+std::string ReplyOf(const Cluster& outcome, StageSeconds& seconds) {
   return fmt::format("{} {} {} {} {}", outcome.samples, outcome.hits, seconds["start"],
                      seconds["trials"], seconds["store"]);
 }
@@ -43,6 +41,11 @@ void GoTo(const Configuration& configuration, const SweepOptions& options,
 
 std::string DoItem(WorkerState& state, const Configuration& configuration,
                    const SweepOptions& options, int trial, const WorkerPlan::Say& say) {
+  // An earlier worker may have been killed after it stored the trial and before its reply.
+  if (const auto stored = state.store.OutcomeOf(trial)) {
+    StageSeconds none;
+    return ReplyOf(*stored, none);
+  }
   GoTo(configuration, options, say, state);
   const BinIndex bin_index(trial - configuration.first_trial);
   PictureOrder pictures{PicturesWanted::kNone, PicturesOf(options.out, trial)};
@@ -65,7 +68,9 @@ std::string DoItem(WorkerState& state, const Configuration& configuration,
   }
   StageSeconds seconds;
   std::swap(seconds, state.seconds);
-  return ReplyOf(result, seconds);
+  Cluster outcome;
+  SuccessOfAttempts()(result, outcome);
+  return ReplyOf(outcome, seconds);
 }
 
 // Notifies the writer of the images and the observer that makes pictures, which may be null.

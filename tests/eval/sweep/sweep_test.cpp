@@ -175,6 +175,48 @@ TEST_F(SweepTest, TrialThatCrashesTwiceIsRecordedAndCountsInNoRate) {
   EXPECT_THAT(ResultsStore::OpenToRead(options.out).ReadAll(), SizeIs(8));
 }
 
+TEST_F(SweepTest, TrialThatIsStoredBeforeItsWorkerIsKilledCountsOnce) {
+  const Sweep sweep = StubSweep(2, 4);
+  RunSweep(sweep, Options("whole"), {});
+  const std::vector<TrialResult> expected = ResultsStore::OpenToRead(folder_ / "whole").Read(6, 7);
+  ASSERT_THAT(expected, SizeIs(1));
+  Cluster total;
+  for (const auto& [trial, outcome] : ResultsStore::OpenToRead(folder_ / "whole").Outcomes()) {
+    total.samples += outcome.samples;
+    total.hits += outcome.hits;
+  }
+  for (const int crashes_before : {0, 1}) {
+    const std::string name = fmt::format("crashes_{}", crashes_before);
+    SweepOptions options = Options(name, 2);
+    options.make = StubTrials([&](const Configuration& point, int scene) {
+      if (point.number != 1 || scene != 2) return;
+      Mark(name + "_tries");
+      if (Count(name + "_tries") > crashes_before) {
+        ResultsStore(options.out, HeadOf(sweep, options.out)).Write(expected[0]);
+      }
+      raise(SIGKILL);
+    });
+    RunListener listener;
+    Cluster reported;
+    listener.on_trial = [&](const RunState& state) {
+      reported = {};
+      for (const Cluster& trial : state.trials) {
+        reported.samples += trial.samples;
+        reported.hits += trial.hits;
+      }
+    };
+    const SweepReport report = RunSweep(sweep, options, listener);
+    EXPECT_THAT(report.crashed, IsEmpty());
+    EXPECT_EQ(report.finished, 8);
+    EXPECT_EQ(Count(name + "_tries"), crashes_before + 1);
+    EXPECT_EQ(reported.samples, total.samples);
+    EXPECT_EQ(reported.hits, total.hits);
+    for (const char* file : {"trials.csv", "attempts.csv"}) {
+      EXPECT_EQ(Read(name + "/" + file), Read(std::string("whole/") + file));
+    }
+  }
+}
+
 TEST_F(SweepTest, WorkerPreparesEachConfigurationOnce) {
   for (const int jobs : {1, 2}) {
     const std::string mark = fmt::format("made_by_{}", jobs);
