@@ -63,7 +63,9 @@ std::vector<double> CandidateScores(const OrganizedCloud& cloud,
         verifiers[hypothesis.object].Score(candidate.features, options.mode, cloud.background);
     const double diameter_px = cloud.intrinsics.fx() * models[hypothesis.object].diameter_m /
                                std::max(1e-3, hypothesis.X_CO.translation().z());
-    scores.push_back(Lowered(score, LogitPenalty(domain, diameter_px)));
+    const double outside_share =
+        OutsideShare(cloud.intrinsics, models[hypothesis.object], hypothesis.X_CO);
+    scores.push_back(Lowered(score, LogitPenalty(domain, diameter_px, outside_share)));
   }
   WeighByEdges(cloud, models, distances, candidates, scores);
   for (size_t i = 0; i < candidates.size(); ++i) {

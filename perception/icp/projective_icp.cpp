@@ -4,26 +4,22 @@
 #include <array>
 #include <cmath>
 
-#include "perception/cloud/projector.h"
 #include "perception/icp/normal_equations.h"
+#include "perception/icp/projected_points.h"
 
 namespace pickbed::perception {
 namespace {
 
-constexpr int kMaxPoints = 512;
-
-// The visible points that are used, relative to the object center.
-struct Subset {
-  int count = 0;
-  std::array<Eigen::Vector3f, kMaxPoints> points, normals;
-};
-
-void Select(const ModelPoints& model, const Pose& X_CO, int max_points, Subset& subset) {
+// Selects the visible points that are used.
+void Select(const ModelPoints& model, const Pose& X_CO, int max_points, IcpPoints& selected) {
   const std::vector<uint16_t>& visible = model.VisibleFrom(X_CO);
-  subset.count = std::min({static_cast<int>(visible.size()), max_points, kMaxPoints});
-  for (int i = 0; i < subset.count; ++i) {
-    subset.points[i] = model.points_O[visible[i]] - model.center_O;
-    subset.normals[i] = model.normals_O[visible[i]];
+  selected.count = std::min({static_cast<int>(visible.size()), max_points, kMaxIcpPoints});
+  for (int i = 0; i < selected.count; ++i) {
+    const Eigen::Vector3f point = model.points_O[visible[i]] - model.center_O;
+    for (int k = 0; k < 3; ++k) {
+      selected.points[k][i] = point[k];
+      selected.normals[k][i] = model.normals_O[visible[i]][k];
+    }
   }
 }
 
@@ -31,24 +27,22 @@ class PlaneProblem {
  public:
   PlaneProblem(const OrganizedCloud& cloud, const ModelPoints& model, double min_normal_cos)
       : cloud_(cloud),
-        project_(cloud.intrinsics),
         radius_m_(model.radius_m),
         min_normal_cos_(static_cast<float>(min_normal_cos)) {}
 
-  IcpEquations Linearize(const Subset& subset, const CenteredPose& pose,
+  IcpEquations Linearize(const IcpPoints& points, const CenteredPose& pose,
                          double max_distance_m) const {
-    const Eigen::Matrix3f R = pose.R_CO.cast<float>();
-    const Eigen::Vector3f center = pose.center_C.cast<float>();
+    ProjectedPoints projected;
+    ProjectPoints(points, pose, cloud_.intrinsics, projected);
     const std::array<int, 5> offsets = Offsets(max_distance_m, pose.center_C.z());
     const auto pixels = static_cast<int>(cloud_.normals_C.size());
     const float max_squared_m2 = static_cast<float>(max_distance_m * max_distance_m);
     IcpEquations equations;
-    for (int i = 0; i < subset.count; ++i) {
-      const Eigen::Vector3f arm = R * subset.points[i];
-      const Eigen::Vector3f model_normal = R * subset.normals[i];
-      const Eigen::Vector3f p = arm + center;
-      const int center_pixel = project_(p);
+    for (int i = 0; i < points.count; ++i) {
+      const int center_pixel = projected.pixels[i];
       if (center_pixel < 0) continue;
+      const Eigen::Vector3f model_normal = At(projected.normals_C, i);
+      const Eigen::Vector3f p = At(projected.points_C, i);
       for (const int offset : offsets) {
         const int pixel = center_pixel + offset;
         if (pixel < 0 || pixel >= pixels) continue;
@@ -58,16 +52,17 @@ class PlaneProblem {
         if (d.squaredNorm() > max_squared_m2) continue;
         // Tukey's biweight: the weight is zero at the maximum distance.
         const float off = n.dot(d);
-        equations.Add(arm.cross(n) / radius_m_, n, off, 1 - off * off / max_squared_m2);
+        equations.Add(At(projected.arms, i).cross(n) / radius_m_, n, off,
+                      1 - off * off / max_squared_m2);
         break;
       }
     }
     return equations;
   }
 
-  IcpStatus Step(const Subset& subset, double max_distance_m, double damping,
+  IcpStatus Step(const IcpPoints& points, double max_distance_m, double damping,
                  CenteredPose& pose) const {
-    return TakeStep(Linearize(subset, pose, max_distance_m), damping, 2 * max_distance_m, radius_m_,
+    return TakeStep(Linearize(points, pose, max_distance_m), damping, 2 * max_distance_m, radius_m_,
                     pose);
   }
 
@@ -82,7 +77,6 @@ class PlaneProblem {
   }
 
   const OrganizedCloud& cloud_;
-  Projector project_;
   float radius_m_;
   float min_normal_cos_;
 };
@@ -114,25 +108,25 @@ IcpResult ProjectiveIcpUnchecked(const OrganizedCloud& cloud, const ModelPoints&
   const double first_m = cloud.error_scale * options.max_correspondence_distance_m;
   const double final_m = cloud.error_scale * options.final_correspondence_distance_m;
   CenteredPose pose = ToCentered(X_CO, model);
-  Subset subset;
-  Select(model, X_CO, options.max_points, subset);
+  IcpPoints points;
+  Select(model, X_CO, options.max_points, points);
   IcpResult result;
   result.status = IcpStatus::kRefined;
   const auto step = [&](double max_distance_m) {
-    result.status = problem.Step(subset, max_distance_m, options.damping, pose);
+    result.status = problem.Step(points, max_distance_m, options.damping, pose);
     result.iterations += result.status == IcpStatus::kRefined;
   };
   for (int i = 0; result.status == IcpStatus::kRefined && i < options.coarse_iterations; ++i) {
     const double share = static_cast<double>(i) / options.coarse_iterations;
     step(first_m + share * (final_m - first_m));
   }
-  Select(model, ToPose(pose, model), options.max_points, subset);
+  Select(model, ToPose(pose, model), options.max_points, points);
   for (int i = 0; result.status == IcpStatus::kRefined && i < options.fine_iterations; ++i) {
     step(final_m);
   }
-  const IcpEquations end = problem.Linearize(subset, pose, final_m);
+  const IcpEquations end = problem.Linearize(points, pose, final_m);
   result.X_CO = ToPose(pose, model);
-  if (subset.count > 0) result.inlier_fraction = static_cast<double>(end.pairs) / subset.count;
+  if (points.count > 0) result.inlier_fraction = static_cast<double>(end.pairs) / points.count;
   if (end.pairs > 0) result.rmse_m = std::sqrt(end.sum_squared_m2 / end.pairs);
   if (end.pairs >= kMinIcpPairs) {
     result.reciprocal_condition_number = ReciprocalConditionNumber(end);

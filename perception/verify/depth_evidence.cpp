@@ -43,16 +43,19 @@ struct Surface {
   float along_normal = 0;    // metres along the normal per metre of depth; negative
 };
 
-Surface SurfaceAt(const RasterFace& face, int x, int y, float inverse, const Eigen::Vector3f& ray) {
-  const float fx = static_cast<float>(x), fy = static_cast<float>(y);
-  Eigen::Vector3f n;
-  for (int k = 0; k < 3; ++k) {
-    n[k] = face.at_origin[k + 1] + fx * face.by_column[k + 1] + fy * face.by_row[k + 1];
-  }
-  n.normalize();
+// The four functions of a face are evaluated at once: the inverse depth, which is not used here,
+// and the normal.
+Surface SurfaceAt(const RasterFace& face, int x, int y, float z_m, const Eigen::Vector3f& ray) {
+  using Functions = Eigen::Map<const Eigen::Vector4f>;
+  Eigen::Vector4f at = Functions(face.at_origin.data()) +
+                       static_cast<float>(x) * Functions(face.by_column.data()) +
+                       static_cast<float>(y) * Functions(face.by_row.data());
+  const float squared = at.tail<3>().squaredNorm();
+  if (squared > 0) at /= std::sqrt(squared);
+  const Eigen::Vector3f n = at.tail<3>();
   const float towards = n.dot(ray);
-  if (towards > 0) return {1 / inverse, -n, -towards};
-  return {1 / inverse, n, towards};
+  if (towards > 0) return {z_m, -n, -towards};
+  return {z_m, n, towards};
 }
 
 // Samples left, right, above and below an agreeing pixel (x, y) of the drawn box. `at` is the
@@ -237,13 +240,21 @@ DepthEvidence DepthEvidenceOf::operator()(const OrganizedCloud& cloud, const Pos
       const float seen_m = cloud.depth_m.data()[row + x];
       if (!(seen_m > 0)) continue;
       const Eigen::Vector3f ray(static_cast<float>((box.x + x - k.cx()) / k.fx()), ray_y, 1);
-      const RasterFace& face = scratch.faces()[face_at[x]];
-      const Surface at = SurfaceAt(face, x, y, inverse[x], ray);
-      const float behind_m = seen_m - at.z_m;
-      const float off_m = at.along_normal * behind_m;
-      if (std::abs(off_m) >= band_m || std::abs(behind_m) >= depth_band_m) {
+      const float drawn_m = 1 / inverse[x];
+      const float behind_m = seen_m - drawn_m;
+      const auto count_off_surface = [&] {
         ++(behind_m > 0 ? e.violated : e.hidden);
         if (support && behind_m < 0) support->AddOther(seen_m * ray);
+      };
+      if (std::abs(behind_m) >= depth_band_m) {
+        count_off_surface();
+        continue;
+      }
+      const RasterFace& face = scratch.faces()[face_at[x]];
+      const Surface at = SurfaceAt(face, x, y, drawn_m, ray);
+      const float off_m = at.along_normal * behind_m;
+      if (std::abs(off_m) >= band_m) {
+        count_off_surface();
         continue;
       }
       if (!cloud.foreground.data()[row + x]) continue;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "scenes/base/math.h"
 
@@ -25,12 +26,33 @@ ImageDomain DomainOf(const OrganizedCloud& cloud) {
   return domain;
 }
 
-double LogitPenalty(const ImageDomain& domain, double diameter_px) {
+double OutsideShare(const CameraIntrinsics& camera, const ModelPoints& model, const Pose& X_CO) {
+  const auto is_outside = [&](const Eigen::Vector3d& p_C, double margin_px) {
+    if (p_C.z() <= 0) return true;
+    const Eigen::Vector2d px = Project(camera, p_C);
+    return px.x() < margin_px - 0.5 || px.x() >= camera.width() - 0.5 - margin_px ||
+           px.y() < margin_px - 0.5 || px.y() >= camera.height() - 0.5 - margin_px;
+  };
+  // Most objects are far from the edge of the image, which their bounding ball shows.
+  const Eigen::Vector3d center_C = X_CO * model.center_O.cast<double>();
+  const double near_m = center_C.z() - model.radius_m;
+  const double ball_px = std::max(camera.fx(), camera.fy()) * 2 * model.radius_m / near_m;
+  if (near_m > 0 && !is_outside(center_C, ball_px)) return 0;
+  const std::vector<uint16_t>& visible = model.VisibleFrom(X_CO);
+  if (visible.empty()) return 0;
+  const auto outside = std::count_if(visible.begin(), visible.end(), [&](uint16_t i) {
+    return is_outside(X_CO * model.points_O[i].cast<double>(), 0);
+  });
+  return static_cast<double>(outside) / static_cast<double>(visible.size());
+}
+
+double LogitPenalty(const ImageDomain& domain, double diameter_px, double outside_share) {
   constexpr double kNatsPerExcess = 2;
   return kNatsPerExcess *
          (Excess(domain.hole_share, kMaxHoleShare) +
           Excess(domain.error_at_1m_m, kMaxTrainedError_m) + Excess(domain.tilt_rad, kMaxTilt_rad) +
-          Excess(kMinDiameter_px, std::max(1.0, diameter_px)));
+          Excess(kMinDiameter_px, std::max(1.0, diameter_px)) +
+          Excess(outside_share, kMaxOutsideShare));
 }
 
 std::vector<std::string> DomainWarnings(const ImageDomain& domain) {

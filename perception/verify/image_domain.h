@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "perception/cloud/organized_cloud.h"
+#include "perception/model/model_points.h"
 
 namespace pickbed::perception {
 
@@ -14,6 +15,8 @@ namespace pickbed::perception {
 inline constexpr double kMaxHoleShare = 0.45;  // share of the pixels between readings of a row
 inline constexpr double kMinDiameter_px = 20;  // diameter of an object in the image
 inline constexpr double kMaxTilt_rad = 1.25;   // of the optical axis from the floor normal
+// Share of the near side of an object outside the image. The verifier counts no evidence there.
+inline constexpr double kMaxOutsideShare = 0.25;
 
 struct ImageDomain {
   double hole_share = 0;
@@ -24,9 +27,14 @@ struct ImageDomain {
 // Measures the image of a cloud.
 ImageDomain DomainOf(const OrganizedCloud& cloud);
 
+// Returns the share of the points on the near side of an object at X_CO that are projected outside
+// the image, 0..1.
+double OutsideShare(const CameraIntrinsics& camera, const ModelPoints& model, const Pose& X_CO);
+
 // Returns by how much the logit of a score is lowered, >= 0: the sum of the relative excesses over
-// the ranges. It never falls with more holes, more noise, more tilt or a smaller diameter.
-double LogitPenalty(const ImageDomain& domain, double diameter_px);
+// the ranges. It never falls with more holes, more noise, more tilt, a smaller diameter or a larger
+// share of the object outside the image.
+double LogitPenalty(const ImageDomain& domain, double diameter_px, double outside_share);
 
 // Returns one sentence for each range that is exceeded.
 std::vector<std::string> DomainWarnings(const ImageDomain& domain);

@@ -48,10 +48,13 @@ constexpr size_t kPoints = 400;  // the first points of a model already cover it
 
 // Maximum depth of the points of a inside b.
 float DepthIn(const ModelPoints& a, const ModelPoints& b, const Eigen::Isometry3f& X_ba) {
+  const float max_squared_m2 = b.radius_m * b.radius_m;  // no point outside the ball is inside b
   float deepest_m = 0;
   const size_t count = std::min(kPoints, a.points_O.size());
   for (size_t i = 0; i < count; ++i) {
-    deepest_m = std::max(deepest_m, b.distance.DepthAt(X_ba * a.points_O[i]));
+    const Eigen::Vector3f p_b = X_ba * a.points_O[i];
+    if ((p_b - b.center_O).squaredNorm() > max_squared_m2) continue;
+    deepest_m = std::max(deepest_m, b.distance.DepthAt(p_b));
   }
   return deepest_m;
 }

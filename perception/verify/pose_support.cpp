@@ -18,9 +18,9 @@ void PoseSupportMeasure::Begin(const Eigen::Vector3f& center_C, float radius_m, 
 }
 
 void PoseSupportMeasure::Hold(const Eigen::Vector3f& p_C, const Eigen::Vector3f& direction_C) {
-  Eigen::Matrix<float, 6, 1> row;
-  row << direction_C, ((p_C - center_C_) / radius_m_).cross(direction_C);
-  held_.selfadjointView<Eigen::Lower>().rankUpdate(row);
+  Eigen::Matrix<float, 8, 1> row;
+  row << direction_C, ((p_C - center_C_) / radius_m_).cross(direction_C), 0, 0;
+  for (int i = 0; i < 6; ++i) held_.col(i) += row[i] * row;
 }
 
 void PoseSupportMeasure::AddAgreeing(const Eigen::Vector3f& p_C, const Eigen::Vector3f& normal_C) {
@@ -66,7 +66,7 @@ double PoseSupportMeasure::CoplanarShare() const {
 PoseSupport PoseSupportMeasure::Finish() const {
   PoseSupport support;
   if (covered_ == 0 || agreeing_C_.empty()) return support;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<float, 6, 6>> eigen(held_,
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<float, 6, 6>> eigen(held_.topRows<6>(),
                                                                         Eigen::EigenvaluesOnly);
   const auto per_pixel = [&](float sum) { return std::sqrt(std::max(0.0f, sum) / covered_); };
   support.weakest = per_pixel(eigen.eigenvalues()[0]);

@@ -52,7 +52,8 @@ class PoseSupportMeasure {
   Eigen::Vector3f center_C_ = Eigen::Vector3f::Zero();
   float radius_m_ = 1, band_m_ = 0;
   int covered_ = 0, outline_ = 0, outline_seen_ = 0;
-  Eigen::Matrix<float, 6, 6> held_ = Eigen::Matrix<float, 6, 6>::Zero();  // lower triangle
+  // The information matrix in its first six rows. Columns of eight suit vector instructions.
+  Eigen::Matrix<float, 8, 6> held_ = Eigen::Matrix<float, 8, 6>::Zero();
   std::vector<Eigen::Vector3f> agreeing_C_, normals_C_, others_C_;
 };
 

@@ -14,17 +14,35 @@ namespace {
 using testing::HasSubstr;
 
 TEST(LogitPenalty, IsZeroInsideAndNeverFalls) {
-  EXPECT_EQ(LogitPenalty({0.2, 0.002, 0.5}, 60), 0);
+  EXPECT_EQ(LogitPenalty({0.2, 0.002, 0.5}, 60, 0), 0);
   double last = 0;
   for (double holes = 0; holes <= 1; holes += 0.1) {
-    const double penalty = LogitPenalty({holes, 0.002, 0.5}, 60);
+    const double penalty = LogitPenalty({holes, 0.002, 0.5}, 60, 0);
     EXPECT_GE(penalty, last);
     last = penalty;
   }
   EXPECT_GT(last, 0);
-  EXPECT_GT(LogitPenalty({0, 0.02, 0}, 60), LogitPenalty({0, 0.01, 0}, 60));
-  EXPECT_GT(LogitPenalty({0, 0, 1.5}, 60), 0);
-  EXPECT_GT(LogitPenalty({}, 5), LogitPenalty({}, 10));
+  EXPECT_GT(LogitPenalty({0, 0.02, 0}, 60, 0), LogitPenalty({0, 0.01, 0}, 60, 0));
+  EXPECT_GT(LogitPenalty({0, 0, 1.5}, 60, 0), 0);
+  EXPECT_GT(LogitPenalty({}, 5, 0), LogitPenalty({}, 10, 0));
+  EXPECT_EQ(LogitPenalty({}, 60, 0.2), 0);
+  EXPECT_GT(LogitPenalty({}, 60, 0.8), LogitPenalty({}, 60, 0.5));
+}
+
+TEST(OutsideShare, IsTheShareOfTheNearSideBeyondTheEdge) {
+  const CameraIntrinsics camera(200, 100, 100, 100, 99.5, 49.5);
+  const ModelPoints plate = MakeModelPoints(*ObjectOf(BoxMesh({0.2, 0.2, 0.002}, {0, 0, 0})));
+  const auto share = [&](double x, double y) {
+    return OutsideShare(camera, plate, Translation({x, y, 1}));
+  };
+  EXPECT_EQ(share(0, 0), 0);
+  EXPECT_EQ(share(0.89, 0), 0);  // the ball about the plate reaches outside
+  EXPECT_NEAR(share(1, 0), 0.5, 0.05);
+  EXPECT_NEAR(share(-1, 0), 0.5, 0.05);
+  EXPECT_NEAR(share(0, 0.55), 0.75, 0.05);
+  EXPECT_NEAR(share(1, -0.5), 0.75, 0.05);
+  EXPECT_EQ(share(1.2, 0), 1);
+  EXPECT_EQ(share(3, 3), 1);
 }
 
 // Holes count only between readings: the empty image beside an object is no failure.
