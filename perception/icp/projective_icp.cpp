@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "perception/icp/normal_equations.h"
 #include "perception/icp/projected_points.h"
@@ -23,6 +24,58 @@ void Select(const ModelPoints& model, const Pose& X_CO, int max_points, IcpPoint
   }
 }
 
+// Limits of the pairs of a model point and an observed point.
+struct PairLimits {
+  std::array<int, 5> offsets;  // index offsets of the pixels that are tried, in this order
+  float min_normal_cos;
+  float max_squared_m2;
+  float radius_m;  // of the object
+};
+
+// Eight floats: a column of IcpEquations::moments. The compiler splits it if the processor has
+// narrower registers.
+using Column = float __attribute__((vector_size(8 * sizeof(float))));
+
+// Sums the pairs of the first `count` points. Each point is paired with the first of its pixels
+// that has a similar normal and is near enough. The variant for AVX2 has no fused multiply-add, so
+// that both variants round alike.
+__attribute__((target_clones("avx2", "default"))) void SumPairs(const OrganizedCloud& cloud,
+                                                                const ProjectedPoints& projected,
+                                                                int count, const PairLimits& limits,
+                                                                IcpEquations& equations) {
+  const auto pixels = static_cast<int>(cloud.normals_C.size());
+  const float r = limits.radius_m;
+  const Column units = {r, r, r, 1, 1, 1, 1, 1};
+  Column moments[7] = {};
+  for (int i = 0; i < count; ++i) {
+    const int center_pixel = projected.pixels[i];
+    if (center_pixel < 0) continue;
+    const Eigen::Vector3f model_normal = At(projected.normals_C, i);
+    const Eigen::Vector3f p = At(projected.points_C, i);
+    for (const int offset : limits.offsets) {
+      const int pixel = center_pixel + offset;
+      if (pixel < 0 || pixel >= pixels) continue;
+      const Eigen::Vector3f& n = cloud.normals_C[pixel];
+      if (!(n.dot(model_normal) > limits.min_normal_cos)) continue;  // also where n is zero
+      const Eigen::Vector3f d = cloud.points_C[pixel] - p;
+      if (d.squaredNorm() > limits.max_squared_m2) continue;
+      const float off = n.dot(d);
+      const Eigen::Vector3f turn = At(projected.arms, i).cross(n);
+      Column row = {turn.x(), turn.y(), turn.z(), n.x(), n.y(), n.z(), off, 0};
+      row /= units;
+      row *= 1 - off * off / limits.max_squared_m2;  // Tukey's biweight: 0 at the maximum distance
+      for (int k = 0; k < 7; ++k) moments[k] += row[k] * row;
+      equations.sum_squared_m2 += off * off;
+      ++equations.pairs;
+      break;
+    }
+  }
+  for (int k = 0; k < 7; ++k) {
+    equations.moments.col(k) +=
+        Eigen::Map<const Eigen::Matrix<float, 8, 1>>(reinterpret_cast<const float*>(&moments[k]));
+  }
+}
+
 class PlaneProblem {
  public:
   PlaneProblem(const OrganizedCloud& cloud, const ModelPoints& model, double min_normal_cos)
@@ -34,29 +87,10 @@ class PlaneProblem {
                          double max_distance_m) const {
     ProjectedPoints projected;
     ProjectPoints(points, pose, cloud_.intrinsics, projected);
-    const std::array<int, 5> offsets = Offsets(max_distance_m, pose.center_C.z());
-    const auto pixels = static_cast<int>(cloud_.normals_C.size());
-    const float max_squared_m2 = static_cast<float>(max_distance_m * max_distance_m);
+    const PairLimits limits{Offsets(max_distance_m, pose.center_C.z()), min_normal_cos_,
+                            static_cast<float>(max_distance_m * max_distance_m), radius_m_};
     IcpEquations equations;
-    for (int i = 0; i < points.count; ++i) {
-      const int center_pixel = projected.pixels[i];
-      if (center_pixel < 0) continue;
-      const Eigen::Vector3f model_normal = At(projected.normals_C, i);
-      const Eigen::Vector3f p = At(projected.points_C, i);
-      for (const int offset : offsets) {
-        const int pixel = center_pixel + offset;
-        if (pixel < 0 || pixel >= pixels) continue;
-        const Eigen::Vector3f& n = cloud_.normals_C[pixel];
-        if (!(n.dot(model_normal) > min_normal_cos_)) continue;  // also where n is zero
-        const Eigen::Vector3f d = cloud_.points_C[pixel] - p;
-        if (d.squaredNorm() > max_squared_m2) continue;
-        // Tukey's biweight: the weight is zero at the maximum distance.
-        const float off = n.dot(d);
-        equations.Add(At(projected.arms, i).cross(n) / radius_m_, n, off,
-                      1 - off * off / max_squared_m2);
-        break;
-      }
-    }
+    SumPairs(cloud_, projected, points.count, limits, equations);
     return equations;
   }
 

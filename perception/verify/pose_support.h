@@ -10,6 +10,7 @@
 // point-to-plane ICP (Gelfand et al., "Geometrically Stable Sampling for the ICP Algorithm", 2003).
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 namespace pickbed::perception {
@@ -52,8 +53,10 @@ class PoseSupportMeasure {
   Eigen::Vector3f center_C_ = Eigen::Vector3f::Zero();
   float radius_m_ = 1, band_m_ = 0;
   int covered_ = 0, outline_ = 0, outline_seen_ = 0;
-  // The information matrix in its first six rows. Columns of eight suit vector instructions.
-  Eigen::Matrix<float, 8, 6> held_ = Eigen::Matrix<float, 8, 6>::Zero();
+  // Each row holds the pose in one direction: move and turn, and two zeros, since eight values suit
+  // vector instructions. The information matrix is the sum of their squares.
+  using Row = std::array<float, 8>;
+  std::vector<Row> rows_;
   std::vector<Eigen::Vector3f> agreeing_C_, normals_C_, others_C_;
 };
 
