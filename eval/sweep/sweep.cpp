@@ -51,13 +51,21 @@ void WriteSettingsFiles(const Sweep& sweep, const StoreHead& head,
   }
 }
 
-// Stores a trial that crashed its worker twice.
-CrashedTrial NoteCrash(const Sweep& sweep, ResultsStore& store, int trial, const std::string& why) {
+// Returns the outcome of a trial that an earlier worker stored, but was killed before its reply.
+// The store is open only for a moment, because workers must not be forked while it is open.
+std::optional<Cluster> StoredOutcome(const StoreHead& head, const std::filesystem::path& folder,
+                                     int trial) {
+  return ResultsStore(folder, head).OutcomeOf(trial);
+}
+
+// Stores a trial that crashed its worker twice. This process opens the store only for a moment.
+CrashedTrial NoteCrash(const Sweep& sweep, const StoreHead& head,
+                       const std::filesystem::path& folder, int trial, const std::string& why) {
   const Configuration& configuration = ConfigurationOf(sweep, trial);
   const CrashedTrial crashed{trial, configuration.number,
                              BinIndex(trial - configuration.first_trial), configuration.spec.seed,
                              why};
-  store.WriteCrashed(crashed);
+  ResultsStore(folder, head).WriteCrashed(crashed);
   return crashed;
 }
 
@@ -93,7 +101,8 @@ class SweepCall {
   WorkerPlan PlanOf(const StoreHead& head);
   void Note(int trial, const Cluster& outcome);
   void Count();
-  void ForgetNeedless();  // removes trials that were running when their configuration ended
+  // Removes trials that were running when their configuration ended.
+  void ForgetNeedless();
 
   Sweep sweep_;
   const SweepOptions& options_;
@@ -184,14 +193,12 @@ WorkerPlan SweepCall::PlanOf(const StoreHead& head) {
     Note(item, trial);
   };
   plan.on_lost = [this, &head](int trial, const std::string& why) {
-    ResultsStore store(folder_, head);  // open only for a moment
-    // The last worker may have been killed after it stored the trial and before its reply.
-    if (const auto stored = store.OutcomeOf(trial)) {
+    if (const auto stored = StoredOutcome(head, folder_, trial)) {
       state_.trials.push_back(*stored);
       Note(trial, *stored);
       return;
     }
-    report_.crashed.push_back(NoteCrash(sweep_, store, trial, why));
+    report_.crashed.push_back(NoteCrash(sweep_, head, folder_, trial, why));
     ++state_.crashed;
     Note(trial, {});
   };
@@ -202,12 +209,12 @@ WorkerPlan SweepCall::PlanOf(const StoreHead& head) {
 }
 
 void SweepCall::ForgetNeedless() {
-  std::vector<int> needless;
-  for (const int trial : finished_) {
-    if (!stop_->Counts(trial)) needless.push_back(trial);
-  }
+  ResultsStore store(folder_, HeadOf(sweep_, folder_));
+  // Read from the store: a worker that was killed may have stored a trial without a reply.
+  std::vector<int> needless = store.FinishedTrials();
+  std::erase_if(needless, [&](int trial) { return stop_->Counts(trial); });
   if (needless.empty()) return;
-  ResultsStore(folder_, HeadOf(sweep_, folder_)).Forget(needless);
+  store.Forget(needless);
   for (const int trial : needless) std::filesystem::remove_all(PicturesOf(options_.out, trial));
   std::erase_if(report_.crashed,
                 [&](const CrashedTrial& crashed) { return !stop_->Counts(crashed.trial); });

@@ -43,8 +43,9 @@ std::string DoItem(WorkerState& state, const Configuration& configuration,
                    const SweepOptions& options, int trial, const WorkerPlan::Say& say) {
   // An earlier worker may have been killed after it stored the trial and before its reply.
   if (const auto stored = state.store.OutcomeOf(trial)) {
-    StageSeconds none;
-    return ReplyOf(*stored, none);
+    StageSeconds seconds;
+    std::swap(seconds, state.seconds);
+    return ReplyOf(*stored, seconds);
   }
   GoTo(configuration, options, say, state);
   const BinIndex bin_index(trial - configuration.first_trial);

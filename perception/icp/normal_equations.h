@@ -37,7 +37,7 @@ struct IcpEquations {
   float sum_squared_m2 = 0;  // unweighted sum of squared residuals
   int pairs = 0;
 
-  // Adds one row with weight root^2.
+  // Adds one row with weight root^2. ProjectiveIcp() has the same arithmetic for many rows.
   void Add(const Eigen::Vector3f& turn, const Eigen::Vector3f& direction, float residual_m,
            float root) {
     Eigen::Matrix<float, 8, 1> row;

@@ -32,7 +32,7 @@ __attribute__((target_clones("avx2", "default"))) void ProjectAll(const IcpPoint
     }
     for (int k = 0; k < 3; ++k) {
       const float* const R = motion.R[k];
-      // In the order in which Eigen adds the products for one point.
+      // The products are added in the order of Eigen for one point.
       const Lanes arm = R[0] * point[0] + (R[1] * point[1] + R[2] * point[2]);
       const Lanes turned = R[0] * normal[0] + (R[1] * normal[1] + R[2] * normal[2]);
       moved[k] = arm + motion.center[k];

@@ -22,7 +22,7 @@ inline Eigen::Vector3f At(const PointArray& values, int i) {
 }
 
 // Points on the surface and their normals, in the object frame, relative to the object center.
-// Values behind the last point are arbitrary numbers.
+// Values after the last point are unspecified.
 struct IcpPoints {
   int count = 0;
   PointArray points = {}, normals = {};
@@ -35,8 +35,9 @@ struct ProjectedPoints {
   std::array<int, kMaxIcpPoints> pixels;  // row-major; -1 outside the image or behind the camera
 };
 
-// Moves the points to `pose` and projects them with rounding to the nearest pixel, as Projector
-// does. Only the first `count` elements of the result have a meaning.
+// Moves the points (m, in O) to `pose` and projects them with rounding to the nearest pixel, as
+// Projector does. The result is in C. Its first `count` elements are valid. `count` is at most
+// kMaxIcpPoints.
 void ProjectPoints(const IcpPoints& points, const CenteredPose& pose,
                    const CameraIntrinsics& camera, ProjectedPoints& projected);
 

@@ -36,10 +36,10 @@ struct PairLimits {
 // narrower registers.
 using Column = float __attribute__((vector_size(8 * sizeof(float))));
 
-// Sums the pairs of the first `count` points. Each point is paired with the first of its pixels
-// that has a similar normal and is near enough. The variant for AVX2 has no fused multiply-add, so
-// that both variants round alike.
-__attribute__((target_clones("avx2", "default"))) void SumPairs(const OrganizedCloud& cloud,
+// Adds the pairs of the first `count` points to `equations`. Each point is paired with the first of
+// its pixels that has a similar normal and is near enough. The variant for AVX2 has no fused
+// multiply-add, so that both variants round alike.
+__attribute__((target_clones("avx2", "default"))) void AddPairs(const OrganizedCloud& cloud,
                                                                 const ProjectedPoints& projected,
                                                                 int count, const PairLimits& limits,
                                                                 IcpEquations& equations) {
@@ -71,8 +71,9 @@ __attribute__((target_clones("avx2", "default"))) void SumPairs(const OrganizedC
     }
   }
   for (int k = 0; k < 7; ++k) {
-    equations.moments.col(k) +=
-        Eigen::Map<const Eigen::Matrix<float, 8, 1>>(reinterpret_cast<const float*>(&moments[k]));
+    Eigen::Matrix<float, 8, 1> column;
+    std::memcpy(column.data(), &moments[k], sizeof(Column));
+    equations.moments.col(k) += column;
   }
 }
 
@@ -90,7 +91,7 @@ class PlaneProblem {
     const PairLimits limits{Offsets(max_distance_m, pose.center_C.z()), min_normal_cos_,
                             static_cast<float>(max_distance_m * max_distance_m), radius_m_};
     IcpEquations equations;
-    SumPairs(cloud_, projected, points.count, limits, equations);
+    AddPairs(cloud_, projected, points.count, limits, equations);
     return equations;
   }
 

@@ -33,7 +33,8 @@ double OutsideShare(const CameraIntrinsics& camera, const ModelPoints& model, co
     return px.x() < margin_px - 0.5 || px.x() >= camera.width() - 0.5 - margin_px ||
            px.y() < margin_px - 0.5 || px.y() >= camera.height() - 0.5 - margin_px;
   };
-  // Most objects are far from the edge of the image, which their bounding ball shows.
+  // Most objects are far from the edge of the image. For them, a bound on the projection of the
+  // bounding ball is enough. It holds up to 60 degrees from the optical axis.
   const Eigen::Vector3d center_C = X_CO * model.center_O.cast<double>();
   const double near_m = center_C.z() - model.radius_m;
   const double ball_px = std::max(camera.fx(), camera.fy()) * 2 * model.radius_m / near_m;

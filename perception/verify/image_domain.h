@@ -15,7 +15,9 @@ namespace pickbed::perception {
 inline constexpr double kMaxHoleShare = 0.45;  // share of the pixels between readings of a row
 inline constexpr double kMinDiameter_px = 20;  // diameter of an object in the image
 inline constexpr double kMaxTilt_rad = 1.25;   // of the optical axis from the floor normal
-// Share of the near side of an object outside the image. The verifier counts no evidence there.
+
+// Share of the near side of an object outside the image. The verifier counts no evidence there. The
+// value is chosen, not measured.
 inline constexpr double kMaxOutsideShare = 0.25;
 
 struct ImageDomain {

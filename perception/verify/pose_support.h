@@ -53,8 +53,8 @@ class PoseSupportMeasure {
   Eigen::Vector3f center_C_ = Eigen::Vector3f::Zero();
   float radius_m_ = 1, band_m_ = 0;
   int covered_ = 0, outline_ = 0, outline_seen_ = 0;
-  // Each row holds the pose in one direction: move and turn, and two zeros, since eight values suit
-  // vector instructions. The information matrix is the sum of their squares.
+  // One row per reading or seen outline pixel: the direction, arm x direction, and two zeros that
+  // fill a vector of eight. The information matrix is the sum of row * row^T.
   using Row = std::array<float, 8>;
   std::vector<Row> rows_;
   std::vector<Eigen::Vector3f> agreeing_C_, normals_C_, others_C_;

@@ -118,6 +118,18 @@ TEST_F(ResultsStoreTest, StoredOutcomesAreThoseOfTheAttempts) {
   EXPECT_EQ(stored.hits, counted.hits);
 }
 
+TEST_F(ResultsStoreTest, OutcomeOfATrialIsKnownOnceItIsFinished) {
+  ResultsStore store(folder_, "s");
+  store.Write(FullTrial(3));
+  store.WriteCrashed({7, 0, BinIndex(7), 0, "signal 9"});
+  const std::optional<Cluster> outcome = store.OutcomeOf(3);
+  ASSERT_TRUE(outcome);
+  EXPECT_EQ(outcome->samples, store.Outcomes().at(3).samples);
+  EXPECT_EQ(outcome->hits, store.Outcomes().at(3).hits);
+  EXPECT_FALSE(store.OutcomeOf(7)) << "it crashed";
+  EXPECT_FALSE(store.OutcomeOf(4)) << "it is not in the store";
+}
+
 TEST_F(ResultsStoreTest, CrashedTrialsCanBeRemoved) {
   ResultsStore store(folder_, "s");
   store.Write(FullTrial(0));

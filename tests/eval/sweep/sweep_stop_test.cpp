@@ -188,6 +188,30 @@ TEST_F(SweepStopTest, EarlierCrashBeyondTheStopIsNotCounted) {
   EXPECT_EQ(crashed, 0);
 }
 
+// A worker may be killed after it stored a trial and before its reply. If the configuration ends
+// before the trial is tried again, the trial is only in the store.
+TEST_F(SweepStopTest, TrialThatIsOnlyInTheStoreIsForgottenBeyondTheStop) {
+  const Sweep sweep = StoppingSweep(kWidth);
+  RunSweep(sweep, Options("whole"), {});
+  const std::vector<TrialResult> first = ResultsStore::OpenToRead(folder_ / "whole").Read(0, 1);
+  ASSERT_EQ(first.size(), 1u);
+  SweepOptions options = Options("s");
+  const MakeDoTrial make = options.make;
+  options.make = [&](const Configuration& point, const WorkerPlan::Say& say) -> DoTrial {
+    const DoTrial do_trial = make(point, say);
+    return [&, do_trial](BinIndex bin_index, const PictureOrder& pictures) {
+      if (point.number == 0 && bin_index == 0) {
+        TrialResult last = first[0];
+        last.trial = last.bin_index = 59;
+        ResultsStore(options.out, HeadOf(sweep, options.out)).Write(last);
+      }
+      return do_trial(bin_index, pictures);
+    };
+  };
+  RunSweep(sweep, options, {});
+  EXPECT_EQ(Stored("s"), Stored("whole"));
+}
+
 // The shard has bins 30 to 59 and therefore not the first bin.
 TEST_F(SweepStopTest, ShardsAndSlurmAreRefused) {
   SweepOptions options = Options("s");

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "scenes/base/finite_counts.h"
@@ -78,6 +79,21 @@ TEST_F(SelectedPosesOfABracket, ScoreUsesTheRequestedMode) {
   const auto kept = SelectPoses(cloud_, models_, distances_, verifiers_, {candidate}, options);
   ASSERT_EQ(kept.size(), 1u);
   EXPECT_LT(kept[0].score, 0.3) << "it is 0.69 in mode accurate";
+}
+
+TEST_F(SelectedPosesOfABracket, ScoreIsLowerIfMuchOfThePoseIsOutsideTheImage) {
+  const CameraIntrinsics& k = cloud_.intrinsics;
+  const auto score_at = [&](double column) {
+    Pose X_CO = BracketPose();
+    const Eigen::Vector3d center_C = X_CO * models_[0].center_O.cast<double>();
+    X_CO.pretranslate(BackProject(k, column, Project(k, center_C).y(), center_C.z()) - center_C);
+    return CandidateScores(cloud_, models_, distances_, verifiers_, {At(X_CO, 0.2f)}, {}).front();
+  };
+  const double inside = score_at(k.cx()), half = score_at(k.width() - 0.5);
+  EXPECT_EQ(inside, ByFirstFeature().Score(At(BracketPose(), 0.2f).features));
+  const auto logit = [](double score) { return std::log(score / (1 - score)); };
+  EXPECT_NEAR(logit(inside) - logit(half), 2, 1) << "2 nats if half of it is outside";
+  EXPECT_LT(score_at(k.width() + 5), half);
 }
 
 TEST_F(SelectedPosesOfABracket, EqualPosesMergeIntoTheBest) {

@@ -43,6 +43,7 @@ TEST(OutsideShare, IsTheShareOfTheNearSideBeyondTheEdge) {
   EXPECT_NEAR(share(1, -0.5), 0.75, 0.05);
   EXPECT_EQ(share(1.2, 0), 1);
   EXPECT_EQ(share(3, 3), 1);
+  EXPECT_EQ(OutsideShare(camera, plate, Translation({0, 0, -1})), 1) << "behind the camera";
 }
 
 // Holes count only between readings: the empty image beside an object is no failure.
