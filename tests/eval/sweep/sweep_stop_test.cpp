@@ -202,7 +202,8 @@ TEST_F(SweepStopTest, TrialThatIsOnlyInTheStoreIsForgottenBeyondTheStop) {
     return [&, do_trial](BinIndex bin_index, const PictureOrder& pictures) {
       if (point.number == 0 && bin_index == 0) {
         TrialResult last = first[0];
-        last.trial = last.bin_index = 59;
+        last.trial = 59;
+        last.bin_index = BinIndex(59);
         ResultsStore(options.out, HeadOf(sweep, options.out)).Write(last);
       }
       return do_trial(bin_index, pictures);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "perception/verify/image_domain.h"
 #include "scenes/base/finite_counts.h"
 #include "tests/support/synthetic_depth.h"
 
@@ -83,17 +84,23 @@ TEST_F(SelectedPosesOfABracket, ScoreUsesTheRequestedMode) {
 
 TEST_F(SelectedPosesOfABracket, ScoreIsLowerIfMuchOfThePoseIsOutsideTheImage) {
   const CameraIntrinsics& k = cloud_.intrinsics;
-  const auto score_at = [&](double column) {
-    Pose X_CO = BracketPose();
-    const Eigen::Vector3d center_C = X_CO * models_[0].center_O.cast<double>();
-    X_CO.pretranslate(BackProject(k, column, Project(k, center_C).y(), center_C.z()) - center_C);
-    return CandidateScores(cloud_, models_, distances_, verifiers_, {At(X_CO, 0.2f)}, {}).front();
+  const Eigen::Vector3d center_C = BracketPose() * models_[0].center_O.cast<double>();
+  const auto logit_of = [&](const Pose& X_CO) {
+    const double score =
+        CandidateScores(cloud_, models_, distances_, verifiers_, {At(X_CO, 0.2f)}, {}).front();
+    return std::log(score / (1 - score));
   };
-  const double inside = score_at(k.cx()), half = score_at(k.width() - 0.5);
-  EXPECT_EQ(inside, ByFirstFeature().Score(At(BracketPose(), 0.2f).features));
-  const auto logit = [](double score) { return std::log(score / (1 - score)); };
-  EXPECT_NEAR(logit(inside) - logit(half), 2, 1) << "2 nats if half of it is outside";
-  EXPECT_LT(score_at(k.width() + 5), half);
+  const double inside = logit_of(BracketPose());
+  double last = inside;
+  for (const double column : {k.width() - 0.5, k.width() + 5.0}) {
+    Pose X_CO = BracketPose();
+    X_CO.pretranslate(BackProject(k, column, Project(k, center_C).y(), center_C.z()) - center_C);
+    const double share = OutsideShare(k, models_[0], X_CO);
+    EXPECT_GT(share, kMaxOutsideShare);
+    EXPECT_NEAR(inside - logit_of(X_CO), 2 * (share / kMaxOutsideShare - 1), 1e-4);
+    EXPECT_LT(logit_of(X_CO), last);
+    last = logit_of(X_CO);
+  }
 }
 
 TEST_F(SelectedPosesOfABracket, EqualPosesMergeIntoTheBest) {
