@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string_view>
 
+#include "perception/candidates/candidate_comparison.h"
 #include "perception/candidates/search_pixels.h"
 #include "scenes/base/error.h"
 
@@ -332,9 +333,17 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
   SearchEffort effort{impl_->candidate_refiner.SceneEffort(cloud, unexplained), 1};
   RawPoses proposed;
   if (impl_->proposer) proposed = impl_->proposer->Propose(cloud, seconds);
-  const bool is_crowded = cloud.background == BackgroundKind::kKnown && effort.scene > 1;
-  const int rounds = is_crowded ? std::max(options.rounds, options.crowded_rounds) : options.rounds;
+  const bool may_be_crowded = cloud.background == BackgroundKind::kKnown && effort.scene > 1;
+  const int rounds =
+      may_be_crowded ? std::max(options.rounds, options.crowded_rounds) : options.rounds;
   for (int round = 0; round < rounds && !unexplained.empty(); ++round) {
+    if (round >= options.rounds) {
+      // Twenty bolts can have the area of 22. But then no more than that are found.
+      constexpr double kAreaTolerance = 1.1;
+      const std::vector<ModelPoints>& models = impl_->candidate_refiner.model_points();
+      const auto found = static_cast<double>(EvidentCandidates(candidates, models).size());
+      if (found <= kAreaTolerance * options.usual_instances) break;
+    }
     if (round > 0) {
       // The remaining pixels are few and difficult, so they get patches of their own density.
       unexplained = impl_->candidate_refiner.Unexplained(cloud, candidates, unexplained);

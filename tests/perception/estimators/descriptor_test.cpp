@@ -175,13 +175,16 @@ TEST_F(Descriptor, OnlyCrowdedScenesWithAKnownBackgroundGetMoreRounds) {
     options.candidates.usual_instances = usual_instances;
     options.candidates.crowded_rounds = crowded_rounds;
     options.candidates.later_density = later_density;
-    options.candidates.candidates = options.candidates.min_candidates = 1;  // explains one instance
+    options.candidates.candidates = options.candidates.min_candidates = 1;  // few are found
     const auto estimator = MakeDescriptorEstimator(MakeSetup(), options);
     return TraceOf(*estimator, {view.frame, std::move(background)}).patches.size();
   };
   EXPECT_GT(patches(OutOfSightBin(), 1, 2), patches(OutOfSightBin(), 1, 1));
   EXPECT_EQ(patches(OutOfSightBin(), 100, 2), patches(OutOfSightBin(), 100, 1));
   EXPECT_GT(patches(OutOfSightBin(), 1, 2), patches(OutOfSightBin(), 1, 2, 0.1));
+  ASSERT_GT(patches(OutOfSightBin(), 2, 1), patches(OutOfSightBin(), 100, 1)) << "more area";
+  EXPECT_EQ(patches(OutOfSightBin(), 2, 2), patches(OutOfSightBin(), 2, 1))
+      << "one candidate finds no more than one instance";
   ASSERT_GT(patches({}, 1, 1), patches({}, 100, 1)) << "it is crowded, too";
   EXPECT_EQ(patches({}, 1, 2), patches({}, 1, 1));
 }
