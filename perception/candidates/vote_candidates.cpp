@@ -68,8 +68,9 @@ void CandidateOptions::Visit(SettingsVisitor& v) {
          "minimum probability that a patch shows the object, for its vote to count");
   v.Integer("rounds", rounds, {1, 10},
             "rounds of voting; later rounds sample only pixels that are not explained");
-  v.Integer("crowded_rounds", crowded_rounds, {1, 10},
-            "minimum rounds if the background is known and shows more than usual_instances");
+  v.Integer(
+      "crowded_rounds", crowded_rounds, {1, 10},
+      "minimum rounds if the background is known and shows clearly more than usual_instances");
   v.Real("later_density", later_density, {0.01, 100},
          "factor of the patches per pixel in later rounds");
   CandidateRefinementOptions::Visit(v);
@@ -338,11 +339,11 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
       may_be_crowded ? std::max(options.rounds, options.crowded_rounds) : options.rounds;
   for (int round = 0; round < rounds && !unexplained.empty(); ++round) {
     if (round >= options.rounds) {
-      // Twenty bolts can have the area of 22. But then no more than that are found.
-      constexpr double kAreaTolerance = 1.1;
+      // Twenty bolts can cover as many pixels as 23, and a few wrong poses are found beside them.
+      constexpr double kMaxArea = 1.2, kMaxFound = 1.1;
       const std::vector<ModelPoints>& models = impl_->candidate_refiner.model_points();
       const auto found = static_cast<double>(EvidentCandidates(candidates, models).size());
-      if (found <= kAreaTolerance * options.usual_instances) break;
+      if (effort.scene <= kMaxArea && found <= kMaxFound * options.usual_instances) break;
     }
     if (round > 0) {
       // The remaining pixels are few and difficult, so they get patches of their own density.

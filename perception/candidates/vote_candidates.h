@@ -21,8 +21,8 @@ struct CandidateOptions : CandidateRefinementOptions {
   int points = 600;      // patches per frame, all patch sides together
   int min_points = 450;  // minimum number per patch side, but not more than `points`
   int neighbors = 8;     // codebook votes per patch
-  // Later rounds sample only the pixels that no candidate explains. There are `crowded_rounds` if
-  // the background is known, and its area and what was found are more than usual_instances.
+  // Later rounds sample only the pixels that no candidate explains. There are at least
+  // `crowded_rounds` if the background is known and shows clearly more than usual_instances.
   int rounds = 1;
   int crowded_rounds = 2;
   double later_density = 4;  // factor of the patches per pixel in later rounds

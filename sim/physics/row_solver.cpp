@@ -5,34 +5,38 @@
 namespace pickbed::sim {
 namespace {
 
+// Inlined, so that a variant does not call code that was compiled for narrower vectors.
+#define PICKBED_ROW_INLINE inline __attribute__((always_inline))
+
 // The four numbers of a btVector3. The last one has no meaning. The compiler splits them if the
 // processor has narrower registers.
 using Four = btScalar __attribute__((vector_size(4 * sizeof(btScalar))));
 static_assert(sizeof(btVector3) == sizeof(Four));
 
-void Load(const btVector3& vector, Four& numbers) {
+PICKBED_ROW_INLINE void Load(const btVector3& vector, Four& numbers) {
   std::memcpy(&numbers, vector.m_floats, sizeof(Four));
 }
-void Store(const Four& numbers, btVector3& vector) {
+PICKBED_ROW_INLINE void Store(const Four& numbers, btVector3& vector) {
   std::memcpy(vector.m_floats, &numbers, sizeof(Four));
 }
 
 // btSolverBody::internalApplyImpulse() with the same order of products for each number.
-void ApplyImpulse(btSolverBody& body, const btVector3& normal, const btVector3& angular_component,
-                  btScalar impulse) {
+PICKBED_ROW_INLINE void ApplyImpulse(btSolverBody& body, const btVector3& normal,
+                                     const btVector3& angular_component, btScalar impulse) {
   if (body.m_originalBody == nullptr) return;
   Four linear, direction, inverse_mass, linear_factor;
   Load(body.m_deltaLinearVelocity, linear);
   Load(normal, direction);
   Load(body.m_invMass, inverse_mass);
   Load(body.m_linearFactor, linear_factor);
-  linear += direction * inverse_mass * impulse * linear_factor;
+  const Four impulses = {impulse, impulse, impulse, impulse};
+  linear += direction * inverse_mass * impulses * linear_factor;
   Store(linear, body.m_deltaLinearVelocity);
   Four angular, component, angular_factor;
   Load(body.m_deltaAngularVelocity, angular);
   Load(angular_component, component);
   Load(body.m_angularFactor, angular_factor);
-  angular += component * (impulse * angular_factor);
+  angular += component * (impulses * angular_factor);
   Store(angular, body.m_deltaAngularVelocity);
 }
 
@@ -44,7 +48,8 @@ btScalar AddedVelocity(const btSolverBody& body, const btVector3& linear,
 }
 
 template <bool kHasUpperLimit>
-btScalar SolveRow(btSolverBody& a, btSolverBody& b, const btSolverConstraint& row) {
+PICKBED_ROW_INLINE btScalar SolveRow(btSolverBody& a, btSolverBody& b,
+                                     const btSolverConstraint& row) {
   const btScalar applied = row.m_appliedImpulse;
   btScalar change = row.m_rhs - applied * row.m_cfm;
   change -= AddedVelocity(a, row.m_contactNormal1, row.m_relpos1CrossNormal) * row.m_jacDiagABInv;

@@ -21,8 +21,9 @@ btSolverBody RandomBody(btRigidBody* body, Rng& rng) {
   const bool is_fixed = body == nullptr;
   solver_body.m_deltaLinearVelocity = is_fixed ? btVector3(0, 0, 0) : RandomVector(rng);
   solver_body.m_deltaAngularVelocity = is_fixed ? btVector3(0, 0, 0) : RandomVector(rng);
-  solver_body.m_linearFactor = solver_body.m_angularFactor = btVector3(1, 1, 1);
-  solver_body.m_invMass = is_fixed ? btVector3(0, 0, 0) : btVector3(1, 1, 1) * rng.Uniform(1, 20);
+  solver_body.m_linearFactor = RandomVector(rng);
+  solver_body.m_angularFactor = RandomVector(rng);
+  solver_body.m_invMass = is_fixed ? btVector3(0, 0, 0) : RandomVector(rng).absolute();
   return solver_body;
 }
 
