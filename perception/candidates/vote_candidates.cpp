@@ -72,7 +72,7 @@ void CandidateOptions::Visit(SettingsVisitor& v) {
       "crowded_rounds", crowded_rounds, {1, 10},
       "minimum rounds if the background is known and shows clearly more than usual_instances");
   v.Real("later_density", later_density, {0.01, 100},
-         "factor of the patches per pixel in later rounds");
+         "factor of the patches per pixel in later rounds; half of it up to usual_instances");
   CandidateRefinementOptions::Visit(v);
   v.Group(
       "modes", [&](SettingsVisitor& g) { modes.Visit(g); }, "settings that filter votes to modes");
@@ -348,8 +348,8 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
     if (round > 0) {
       // The remaining pixels are few and difficult, so they get patches of their own density.
       unexplained = impl_->candidate_refiner.Unexplained(cloud, candidates, unexplained);
-      effort.share =
-          std::min(1.0, options.later_density * static_cast<double>(unexplained.size()) / searched);
+      const double density = (effort.scene > 1 ? 1 : 0.5) * options.later_density;
+      effort.share = std::min(1.0, density * static_cast<double>(unexplained.size()) / searched);
     }
     for (Candidate& candidate :
          impl_->Round(cloud, unexplained, effort, rng, seconds, trace, proposed)) {
