@@ -348,6 +348,7 @@ std::vector<Candidate> CandidateFinder::Find(const OrganizedCloud& cloud, Rng& r
     if (round > 0) {
       // The remaining pixels are few and difficult, so they get patches of their own density.
       unexplained = impl_->candidate_refiner.Unexplained(cloud, candidates, unexplained);
+      // In a scene that is not crowded, more patches take time and find little.
       const double density = (effort.scene > 1 ? 1 : 0.5) * options.later_density;
       effort.share = std::min(1.0, density * static_cast<double>(unexplained.size()) / searched);
     }

@@ -11,7 +11,7 @@ namespace {
 // The compiler splits the columns if the processor has narrower registers.
 using Column = float __attribute__((vector_size(8 * sizeof(float))));
 
-// Sets `sum` to the sum of row * row^T. The variant for AVX2 has no fused
+// Sets `sum` to the first six columns of the sum of row * row^T. The variant for AVX2 has no fused
 // multiply-add, so that both variants round alike.
 __attribute__((target_clones("avx2", "default"))) void SumSquares(
     const std::vector<std::array<float, 8>>& rows, Eigen::Matrix<float, 8, 6>& sum) {
