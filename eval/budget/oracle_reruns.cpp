@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "eval/store/results_store.h"
+#include "eval/store/store_check.h"
 #include "eval/summary/failure_budget.h"
 #include "eval/summary/result_files.h"
 #include "scenes/base/error.h"
@@ -49,14 +50,21 @@ std::vector<TrialResult> TrialsOfRun(const BudgetJob& job) {
   std::vector<TrialResult> trials = ResultsStore::OpenToRead(job.run).ReadAll();
   CheckInput(!trials.empty(),
              fmt::format("{} has no finished trial; resume the run to finish it", where));
+  const std::string file = (job.run / kStoreFile).string();
+  for (const TrialResult& trial : trials) {
+    CheckTrial(trial, {job.spec.objects.size(), job.spec.occlusion.bands.size()}, file);
+    CheckInput(OutcomesAddUp(trial),
+               fmt::format("{}: table 'instance_outcomes', trial {}: the outcomes do not add up to "
+                           "its {} instances, of which {} were cleared; {}",
+                           file, trial.trial, trial.instances_dropped, trial.instances_cleared,
+                           kRestoreAdvice));
+  }
   return trials;
 }
 
 BudgetRuns RerunWithTruth(const BudgetJob& job, const BudgetListener& listener) {
   BudgetRuns runs;
   runs.as_run = TrialsOfRun(job);
-  BudgetOfAttempts(runs.as_run);
-  BudgetOfInstances(runs.as_run);
   runs.forecasts = ForecastsOf(runs.as_run, job.objects, job.tolerance);
   RunOptions options;
   options.jobs = job.jobs;

@@ -365,7 +365,9 @@ ReportRun ReadReportRun(const fs::path& folder) {
     for (const ObjectSpec& object : configuration.spec.objects)
       configuration.trials.objects.push_back(object.name);
     for (const TrialResult& trial : configuration.trials.trials) {
-      CheckObjects(trial, configuration.trials.objects.size(), (folder / kStoreFile).string());
+      CheckTrial(trial,
+                 {configuration.spec.objects.size(), configuration.spec.occlusion.bands.size()},
+                 (folder / kStoreFile).string());
     }
     std::vector<BinIndex> crashed_bins;
     for (const CrashedTrial& crashed : all_crashed) {

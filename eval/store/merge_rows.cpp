@@ -58,9 +58,10 @@ int JoinRows(const Database& db, const std::filesystem::path& file, const RowShi
     ForEachTrialTable([&]<typename Row>(const char* table) {
       if (doubled == 0 || std::is_same_v<Row, TimingRow>) return;
       const int trial = Contradicted<Row>(db, table, shift);
-      CheckInput(trial < 0, fmt::format("{}: trial {} is in another store with different {}, "
-                                        "although both have the same settings: remove one",
-                                        file.string(), trial - shift.trial, table));
+      CheckInput(trial < 0,
+                 fmt::format("{}: trial {} is in another store with different {}, "
+                             "although both have the same settings; merge only one of them",
+                             file.string(), trial - shift.trial, table));
     });
     ForEachTrialTable([&]<typename Row>(const char* table) {
       db.Execute(fmt::format(

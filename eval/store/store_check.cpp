@@ -51,6 +51,9 @@ struct ColumnRange {
   double high = kMaxCount;
 };
 constexpr ColumnRange kTrialRanges[] = {
+    {"bin_index"},
+    {"instances_dropped"},
+    {"instances_cleared"},
     {"simulated_s"},
     {"max_speed_mps"},
     {"max_spin_radps"},
@@ -74,8 +77,19 @@ constexpr ColumnRange kTrialRanges[] = {
     {"bin_rz_rad", -kHalfTurn_rad, kHalfTurn_rad},
 };
 constexpr ColumnRange kAttemptRanges[] = {
-    {"instances_lifted"},    {"instances_touched"}, {"instances_risen"}, {"instances_entangled"},
-    {"neighbors_displaced"}, {"pick_of_image"},     {"layer"},
+    {"instances_lifted"},
+    {"instances_touched"},
+    {"instances_risen"},
+    {"instances_entangled"},
+    {"neighbors_displaced"},
+    {"pick_of_image"},
+    {"layer"},
+    {"band", -1},
+    {"target", -1},
+    {"matched_instance", -1},
+    {"picked_instance", -1},
+    {"instances_above", -1},
+    {"instances_below", -1},
 };
 constexpr ColumnRange kRejectionRanges[] = {{"grasps"}};
 constexpr ColumnRange kBandRanges[] = {
@@ -330,17 +344,32 @@ void CheckTiming(const TimingRow& row) {
                          OneLine(row.stage)));
 }
 
-void CheckObjects(const TrialResult& result, size_t objects, const std::string& file) {
-  const auto check = [&](const char* table, ObjectId object) {
-    CheckInput(object >= 0 && static_cast<size_t>(int{object}) < objects,
-               fmt::format("{}: table '{}', trial {}: the settings have no object {}; {}", file,
-                           table, result.trial, object, kRestoreAdvice));
+void CheckTrial(const TrialResult& result, const SettingsCounts& settings,
+                const std::string& file) {
+  const auto check = [&](bool ok, const char* table, const std::string& fault) {
+    if (ok) return;
+    throw InputError(fmt::format("{}: table '{}', trial {}: {}; {}", file, table, result.trial,
+                                 fault, kRestoreAdvice));
   };
+  const auto check_object = [&](const char* table, ObjectId object) {
+    check(object >= 0 && static_cast<size_t>(int{object}) < settings.objects, table,
+          fmt::format("the settings have no object {}", object));
+  };
+  int succeeded = 0;
   for (const AttemptRecord& attempt : result.attempts) {
-    for (const HypothesisRecord& row : attempt.hypotheses) check("hypotheses", row.object);
-    for (const InstanceRecord& row : attempt.instances) check("instances", row.object);
+    for (const HypothesisRecord& row : attempt.hypotheses) check_object("hypotheses", row.object);
+    for (const InstanceRecord& row : attempt.instances) check_object("instances", row.object);
+    check(attempt.band >= -1 && attempt.band < static_cast<int>(settings.bands), "attempts",
+          fmt::format("the settings have no band {}", attempt.band));
+    const bool failed = attempt.failure != FailureReason::kNone;
+    check(failed || attempt.grasp, "attempts",
+          fmt::format("attempt {} has neither a grasp nor a failure", attempt.attempt));
+    succeeded += !failed;
   }
-  for (const InstanceOutcome& row : result.outcomes) check("instance_outcomes", row.object);
+  for (const InstanceOutcome& row : result.outcomes) check_object("instance_outcomes", row.object);
+  check(succeeded == result.instances_cleared, "trials",
+        fmt::format("{} attempts succeeded, but column 'instances_cleared' is {}", succeeded,
+                    result.instances_cleared));
 }
 
 void CheckValues(const TrialResult& result) {
@@ -362,6 +391,11 @@ void CheckValues(const TrialResult& result) {
     CheckInput(
         objects.emplace(outcome.instance, outcome.object).first->second == outcome.object,
         fmt::format("in table 'instance_outcomes', instance {} is two objects", outcome.instance));
+    CheckInput(outcome.instance >= 0 && outcome.attempt >= -1,
+               "in table 'instance_outcomes', the number of an instance or attempt is negative");
+    CheckInput(outcome.deviation.friction >= -1 && outcome.deviation.mass >= -1 &&
+                   outcome.size_deviation >= -1,
+               "in table 'instance_outcomes', a deviation is under -1");
     CheckInput(
         decided.emplace(outcome.instance, outcome.attempt).second,
         fmt::format("in table 'instance_outcomes', instance {} is there twice", outcome.instance));
@@ -374,7 +408,8 @@ void CheckValues(const TrialResult& result) {
     check(attempt.chosen >= -1 && attempt.chosen < hypotheses,
           "the chosen hypothesis does not exist");
     for (const HypothesisRecord& hypothesis : attempt.hypotheses) {
-      check(hypothesis.object >= 0, "the object of a hypothesis is negative");
+      check(hypothesis.object >= 0 && hypothesis.instance >= kNoInstance,
+            "the object or instance of a hypothesis is negative");
       check(std::isfinite(hypothesis.score), "the score of a hypothesis is not finite");
     }
     const std::string doubled_instance = doubled(attempt.instances);

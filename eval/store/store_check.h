@@ -28,8 +28,15 @@ void CheckTiming(const TimingRow& row);
 // no instance is there twice. Throws InputError that says what is wrong, without the file.
 void CheckValues(const TrialResult& result);
 
-// Checks that the settings of a trial have its objects. Throws InputError that names `file`.
-//   objects  number of objects in the settings
-void CheckObjects(const TrialResult& result, size_t objects, const std::string& file);
+// Numbers of entries in the settings of a trial.
+struct SettingsCounts {
+  size_t objects = 0;
+  size_t bands = 0;  // of the visible fraction, in an occlusion sweep
+};
+
+// Checks that a trial agrees with its settings and with itself: the objects and bands that it names
+// exist, each attempt has a grasp or a failure, and as many attempts succeeded as instances were
+// cleared. Throws InputError that names `file`.
+void CheckTrial(const TrialResult& result, const SettingsCounts& settings, const std::string& file);
 
 }  // namespace pickbed::eval

@@ -28,6 +28,20 @@ int ClearedIn(std::span<const TrialResult> trials) {
   });
 }
 
+FailureBudget CountInstances(std::span<const TrialResult> trials) {
+  FailureBudget budget;
+  for (const TrialResult& trial : trials) {
+    budget.total += trial.instances_dropped;
+    for (const InstanceOutcome& instance_outcome : trial.outcomes) {
+      budget.picked += instance_outcome.picked;
+      budget.not_asked += !instance_outcome.asked;
+      if (instance_outcome.failure != FailureReason::kNone)
+        AddFailure(instance_outcome.failure, budget);
+    }
+  }
+  return budget;
+}
+
 // Returns one cluster per trial: count(budget) of budget.asked().
 template <typename CountOf>
 std::vector<Cluster> ClustersOf(const std::vector<FailureBudget>& by_trial, CountOf&& count) {
@@ -88,19 +102,16 @@ FailureBudget BudgetOfAttempts(std::span<const TrialResult> trials) {
 }
 
 FailureBudget BudgetOfInstances(std::span<const TrialResult> trials) {
-  FailureBudget budget;
-  for (const TrialResult& trial : trials) {
-    budget.total += trial.instances_dropped;
-    for (const InstanceOutcome& instance_outcome : trial.outcomes) {
-      budget.picked += instance_outcome.picked;
-      budget.not_asked += !instance_outcome.asked;
-      if (instance_outcome.failure != FailureReason::kNone)
-        AddFailure(instance_outcome.failure, budget);
-    }
-  }
+  const FailureBudget budget = CountInstances(trials);
   RequireSum("instances", budget.picked + budget.not_asked + LostOf(budget), budget.total);
   RequireSum("picked instances", budget.picked, ClearedIn(trials));
   return budget;
+}
+
+bool OutcomesAddUp(const TrialResult& trial) {
+  const FailureBudget budget = CountInstances({&trial, 1});
+  return budget.picked + budget.not_asked + LostOf(budget) == budget.total &&
+         budget.picked == trial.instances_cleared;
 }
 
 void RequireGraspFailuresOnly(const FailureBudget& budget) {

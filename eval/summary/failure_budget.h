@@ -43,6 +43,10 @@ FailureBudget BudgetOfAttempts(std::span<const TrialResult> trials);
 // Computes the budget of the dropped instances.
 FailureBudget BudgetOfInstances(std::span<const TrialResult> trials);
 
+// Returns whether the outcomes of a trial add up to its dropped instances, and the picked ones to
+// the cleared instances, as BudgetOfInstances() requires. An edited store may have others.
+bool OutcomesAddUp(const TrialResult& trial);
+
 // Throws std::logic_error if a stage before planning has failures. With ground truth substituted
 // for all of perception, only plan, approach, grasp and simulation (physics errors) can fail.
 void RequireGraspFailuresOnly(const FailureBudget& budget);

@@ -12,6 +12,7 @@
 #include "eval/summary/run_columns.h"
 #include "eval/summary/run_csv.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 #include "scenes/image/image_io.h"
 #include "scenes/scenario/scenario_text.h"
 
@@ -47,7 +48,7 @@ ConfigurationSummary Summarized(const ResultsStore& store, const StoredConfigura
           ? store.ReadAll()
           : store.Read(configuration.first_trial, configuration.first_trial + configuration.trials);
   for (const TrialResult& trial : trials) {
-    CheckObjects(trial, names.size(), (out / kStoreFile).string());
+    CheckTrial(trial, {names.size(), spec.occlusion.bands.size()}, (out / kStoreFile).string());
   }
   ConfigurationSummary result{configuration,
                               Summarize(trials, spec.cycle, ReportedBands(spec.occlusion))};
@@ -105,6 +106,11 @@ constexpr char kFormerConfigurationsFolder[] = "points";
 constexpr std::pair<std::string_view, std::string_view> kFormerPictureWords[] = {
     {"attempt_", "pick_"}, {"_failed", "_lost"}};
 
+// Other people can have named the configurations.
+std::string NameShown(const StoredConfiguration& configuration) {
+  return Printable(configuration.name);
+}
+
 }  // namespace
 
 std::filesystem::path PicturesOf(const std::filesystem::path& out, int trial) {
@@ -157,25 +163,26 @@ std::string SweepTable(const std::vector<ConfigurationSummary>& configurations) 
   }
   size_t width = 13;
   for (const ConfigurationSummary& configuration : configurations)
-    width = std::max(width, configuration.configuration.name.size());
+    width = std::max(width, NameShown(configuration.configuration).size());
   std::string text = fmt::format("{:<{}}  {:>11}  {:>23}  {:>9}  {:>11}\n", "Configuration", width,
                                  "bins", "picks that succeed", "cleared", "top-1 right");
   bool too_few = false;  // an interval is missing
   for (const auto& [configuration, s] : configurations) {
     const std::string rate = ShortRateText({s.successes, s.executed_grasps, s.success_ci95});
     too_few = too_few || !s.success_ci95.is_known();
-    text += fmt::format("{:<{}}  {:>5} of {:>2}  {:>23}  {:>9}  {:>11}{}\n", configuration.name,
-                        width, s.trials, configuration.trials, rate,
+    text += fmt::format("{:<{}}  {:>5} of {:>2}  {:>23}  {:>9}  {:>11}{}\n",
+                        NameShown(configuration), width, s.trials, configuration.trials, rate,
                         PercentText(s.requested_picked.hits, s.requested_picked.samples),
                         PercentText(s.top1_precision),
                         s.crashed.empty() ? "" : fmt::format("  {} crashed", s.crashed.size()));
   }
   for (const auto& [configuration, summary] : configurations) {
-    if (summary.stop) text += fmt::format("{}: {}\n", configuration.name, StopText(*summary.stop));
+    if (summary.stop)
+      text += fmt::format("{}: {}\n", NameShown(configuration), StopText(*summary.stop));
   }
   for (const auto& [configuration, summary] : configurations) {
     if (summary.bands.empty()) continue;
-    text += fmt::format("\n{}\n{}", configuration.name,
+    text += fmt::format("\n{}\n{}", NameShown(configuration),
                         CurveTable(summary.bands, summary.trials < kMinBinsOfInterval));
   }
   if (too_few) text += fmt::format("no interval: {}, use {} or more\n", kTooFewBins, kFewBins);

@@ -12,6 +12,7 @@
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "tests/eval/full_trial.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
@@ -95,7 +96,8 @@ INSTANTIATE_TEST_SUITE_P(
                     "the chosen hypothesis does not exist"},
         EditedStore{"UPDATE attempts SET chosen_hypothesis = 'x'",
                     "column 'chosen_hypothesis': 'x' is no integer"},
-        EditedStore{"UPDATE attempts SET band = 9000000000", "'9000000000' is no integer"},
+        EditedStore{"UPDATE attempts SET pick_of_image = 9000000000",
+                    "is not from 0 to 2147483647"},
         EditedStore{"UPDATE attempts SET executed = 3", "'3' is neither 0 nor 1"},
         EditedStore{"UPDATE attempts SET failure = 'bad luck'",
                     "column 'failure': 'bad luck' is no failure reason"},
@@ -119,6 +121,16 @@ INSTANTIATE_TEST_SUITE_P(
                     "the value in column 'bin_z_m' is not from -1000 to 1000"},
         EditedStore{"UPDATE attempts SET neighbors_displaced = -1 WHERE rowid = 1",
                     "table 'attempts', row 1: the value in column 'neighbors_displaced' is not"},
+        EditedStore{"UPDATE attempts SET picked_instance = -2 WHERE rowid = 1",
+                    "row 1: the value in column 'picked_instance' is not from -1 to"},
+        EditedStore{"UPDATE trials SET bin_index = -1 WHERE rowid = 3",
+                    "table 'trials', row 3: the value in column 'bin_index' is not from 0 to"},
+        EditedStore{"UPDATE instance_outcomes SET mass_deviation = -40 WHERE rowid = 2",
+                    "trial 0: in table 'instance_outcomes', a deviation is under -1"},
+        EditedStore{"UPDATE instance_outcomes SET instance = -1 WHERE rowid = 2",
+                    "the number of an instance or attempt is negative"},
+        EditedStore{"UPDATE hypotheses SET instance = -2 WHERE rowid = 1",
+                    "attempt 0: the object or instance of a hypothesis is negative"},
         EditedStore{"UPDATE trials SET instances_graspable = 99",
                     "more instances are graspable than were tested"},
         EditedStore{"UPDATE trials SET status = 'lost'", "neither finished nor crashed"},
@@ -316,6 +328,43 @@ TEST_F(StoreCheck, DamagedPagesAreRefused) {
   }
   EXPECT_GT(refused, 0);
   EXPECT_EQ(silent, 0);
+}
+
+// A trial of two attempts, one of which cleared an instance, in a bin of two objects.
+TrialResult SoundTrial() {
+  TrialResult trial;
+  trial.trial = 4;
+  trial.instances_cleared = 1;
+  trial.attempts.resize(2);
+  trial.attempts[0].grasp = Grasp();
+  trial.attempts[0].band = 2;
+  trial.attempts[1].attempt = 1;
+  trial.attempts[1].failure = FailureReason::kNoGrasp;
+  trial.outcomes = {{InstanceId{0}, ObjectId{1}}};
+  return trial;
+}
+
+TEST(CheckTrial, AcceptsASoundTrial) {
+  EXPECT_NO_THROW(CheckTrial(SoundTrial(), {2, 3}, "a.sqlite"));
+}
+
+TEST(CheckTrial, RefusesWhatDisagreesWithTheSettingsOrWithItself) {
+  const auto error = [](const std::function<void(TrialResult&)>& edit) {
+    TrialResult trial = SoundTrial();
+    edit(trial);
+    return ErrorOf([&] { CheckTrial(trial, {2, 3}, "a.sqlite"); });
+  };
+  EXPECT_THAT(error([](TrialResult& t) { t.instances_cleared = 2; }),
+              HasSubstr("a.sqlite: table 'trials', trial 4: 1 attempts succeeded, but column "
+                        "'instances_cleared' is 2; "));
+  EXPECT_THAT(error([](TrialResult& t) { t.attempts[0].failure = FailureReason::kSlipped; }),
+              HasSubstr("0 attempts succeeded"));
+  EXPECT_THAT(error([](TrialResult& t) { t.attempts[1].failure = FailureReason::kNone; }),
+              HasSubstr("table 'attempts', trial 4: attempt 1 has neither a grasp nor a failure"));
+  EXPECT_THAT(error([](TrialResult& t) { t.attempts[0].band = 3; }),
+              HasSubstr("table 'attempts', trial 4: the settings have no band 3"));
+  EXPECT_THAT(error([](TrialResult& t) { t.outcomes[0].object = ObjectId{2}; }),
+              HasSubstr("table 'instance_outcomes', trial 4: the settings have no object 2"));
 }
 
 }  // namespace

@@ -86,17 +86,22 @@ TEST(FailureBudget, ThrowsIfTheSharesDoNotSumToTheTotal) {
       End({1}, true));
   EXPECT_NO_THROW(BudgetOfAttempts({&fair, 1}));
   EXPECT_NO_THROW(BudgetOfInstances({&fair, 1}));
+  EXPECT_TRUE(OutcomesAddUp(fair));
   TrialResult bad = fair;
   bad.outcomes[1].failure = FailureReason::kNone;  // neither picked nor failed
   EXPECT_THROW(BudgetOfInstances({&bad, 1}), std::logic_error);
+  EXPECT_FALSE(OutcomesAddUp(bad));
   bad = fair;
   bad.outcomes[0].failure = FailureReason::kDropped;  // picked and failed
   EXPECT_THROW(BudgetOfInstances({&bad, 1}), std::logic_error);
+  EXPECT_FALSE(OutcomesAddUp(bad));
   bad = fair;
   bad.outcomes.pop_back();
   EXPECT_THROW(BudgetOfInstances({&bad, 1}), std::logic_error);
+  EXPECT_FALSE(OutcomesAddUp(bad));
   bad = fair;
   bad.instances_cleared = 2;
+  EXPECT_FALSE(OutcomesAddUp(bad));
   EXPECT_THROW(BudgetOfAttempts({&bad, 1}), std::logic_error);
   bad = fair;
   bad.attempts[0].grasp.reset();  // a success without a grasp

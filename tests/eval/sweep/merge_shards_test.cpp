@@ -146,6 +146,26 @@ TEST_F(MergeTest, DamagedInputIsNamedAndNotTheCopy) {
   EXPECT_EQ(error.find('\n'), std::string::npos) << error;
 }
 
+// Faults that only the reading of all values finds.
+TEST_F(MergeTest, DamagedValuesAreNamedWithTheirStoreAndLeaveNoCopy) {
+  for (const char* const edit :
+       {"UPDATE trials SET instances_cleared = 1000", "UPDATE attempts SET band = 77",
+        "UPDATE hypotheses SET score = 1e999", "UPDATE attempts SET chosen_hypothesis = 9999"}) {
+    const auto a = Store("a", StubSweep(1, 2), {0, 1});
+    const auto damaged = folder_ / "damaged";
+    std::filesystem::copy(a, damaged);
+    Database(damaged / kStoreFile, Database::Mode::kExisting).Execute(edit);
+    const std::string error = ErrorOf([&] { MergeStores({damaged}, folder_ / "out"); });
+    EXPECT_THAT(error, HasSubstr((damaged / kStoreFile).string())) << edit;
+    EXPECT_THAT(error, HasSubstr("restore the file from a copy")) << edit;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out" / kStoreFile)) << edit;
+    EXPECT_NO_THROW(MergeStores({a}, folder_ / "out")) << edit;
+    for (const char* const name : {"a", "damaged", "out"}) {
+      std::filesystem::remove_all(folder_ / name);
+    }
+  }
+}
+
 TEST_F(MergeTest, ObjectsThatTheSettingsDoNotHaveAreRefused) {
   for (const char* const table : {"hypotheses", "instances", "instance_outcomes"}) {
     const auto a = Store(table, StubSweep(1, 2), {0, 1});

@@ -39,6 +39,7 @@ MakeDoTrial UnevenTrials() {
       WriteFileAtomically(pictures.folder / "pick.png", "picture");
       TrialResult result;
       const Cluster outcome = OutcomeIn(point.number, scene);
+      result.instances_cleared = outcome.hits;
       for (int i = 0; i < outcome.samples; ++i) {
         AttemptRecord& pick = result.attempts.emplace_back();
         pick.attempt = i;
