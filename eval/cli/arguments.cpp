@@ -52,6 +52,12 @@ CLI::Option* AddCommonOption(CLI::App& app) {
                                "progress for programs: one JSON object per line on stderr");
 }
 
+void AddProgramsArgument(CLI::App& app, bool& programs) {
+  app.add_flag("--programs", programs,
+               "start the programs that the stored settings name, such as an estimator in Python; "
+               "for results of your own");
+}
+
 CLI::Option* AddJobsArgument(CLI::App& app, int& jobs, const std::string& unchanged) {
   return AddProcessors(app, "--jobs", jobs,
                        "number of worker processes; " + unchanged + " not depend on it");

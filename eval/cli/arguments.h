@@ -57,6 +57,10 @@ void AddOutArgument(CLI::App& app, std::string& out, const std::string& suffix =
 // have the upper limit with all its digits.
 CLI::Validator WithoutUpperLimit(bool from_zero = true);
 
+// Adds --programs: the results of others must not start programs unasked, see
+// eval/replay/replay.h.
+void AddProgramsArgument(CLI::App& app, bool& programs);
+
 // Adds --tolerance: the places of tolerance models, see eval/tolerance/maps.h.
 void AddToleranceArgument(CLI::App& app, std::vector<std::string>& places);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "eval/bop/dataset_scores.h"
@@ -11,6 +12,7 @@
 #include "eval/cli/commands.h"
 #include "eval/execution/execution.h"
 #include "eval/execution/report.h"
+#include "eval/replay/replay.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
 #include "eval/summary/result_files.h"
@@ -21,6 +23,12 @@ namespace pickbed::eval {
 namespace {
 
 std::string ScoreTable(const DatasetScores& scores) {
+  if (scores.wanted == 0 && scores.detect_wanted == 0) {
+    return fmt::format(
+        "no image of the split has a target instance, so there is nothing to score; the results "
+        "have {} of objects that their image does not have\n",
+        Counted(static_cast<size_t>(scores.estimates_of_absent), "estimate"));
+  }
   std::string text = fmt::format(
       "BOP19, 6D localisation: {} in {}\n  AR         {:.3f}\n  AR VSD     "
       "{:.3f}\n  AR MSSD    {:.3f}\n  AR MSPD    {:.3f}\n  ADI        {:.3f}  share with ADI < 0.1 "
@@ -101,6 +109,7 @@ struct ExecuteArguments {
   ExecutionOptions options;
   std::string dataset, out, catalog = "objects";
   std::vector<std::string> results, grippers, settings;
+  bool programs = false;
 };
 
 // Loads the scenario of the stored scenes with the settings of the command line.
@@ -121,7 +130,15 @@ LoadedScenario ScenarioOf(const ExecuteArguments& arguments) {
   if (!arguments.grippers.empty()) {
     request.settings.push_back(fmt::format("gripper=[{}]", fmt::join(arguments.grippers, ", ")));
   }
-  return FindScenario(request);
+  LoadedScenario loaded = FindScenario(request);
+  // Only the planner is used. A program of the command line is the user's own.
+  const bool is_own = std::ranges::any_of(arguments.settings, [](const std::string& setting) {
+    return setting.starts_with("planner.command=") || setting.starts_with("planner.connect=");
+  });
+  ScenarioSpec used;
+  used.planner = loaded.spec.planner;
+  RequireProgramsAllowed(used, file.string(), arguments.programs || is_own);
+  return loaded;
 }
 
 ExecutionReport ExecuteWithProgress(const LoadedScenario& scenario,
@@ -252,6 +269,7 @@ int ExecuteCommand(int argc, char** argv) {
   app.add_option("--out", arguments.out, "folder of the results [results/<dataset>-execute]");
   AddJobsArgument(app, options.jobs);
   app.add_flag("--resume", options.resume, "continue an interrupted execution");
+  AddProgramsArgument(app, arguments.programs);
   app.footer("Example: pickbed execute --dataset bop/demo a.csv b.csv --gripper jaw_8cm");
   if (!ParseArguments(app, argc, argv)) return 0;
   return Execute(std::move(arguments));

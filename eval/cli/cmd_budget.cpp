@@ -5,6 +5,7 @@
 #include "eval/cli/commands.h"
 #include "eval/cli/run_progress.h"
 #include "eval/page/html.h"
+#include "eval/replay/replay.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
 #include "eval/summary/result_files.h"
@@ -73,7 +74,7 @@ int BudgetCommand(int argc, char** argv) {
       "pickbed budget");
   std::string run, catalog = "objects";
   std::vector<std::string> stages, tolerance;
-  bool json = false;
+  bool json = false, programs = false;
   BudgetJob job;
   app.add_option("RUN", run, "results folder of a `pickbed run`")->required();
   app.add_option(
@@ -83,6 +84,7 @@ int BudgetCommand(int argc, char** argv) {
   AddJobsArgument(app, job.jobs);
   app.add_option("--catalog", catalog, "folder with your own objects")->capture_default_str();
   AddToleranceArgument(app, tolerance);
+  AddProgramsArgument(app, programs);
   app.add_flag("--json", json, "print the budget as JSON on stdout, and nothing else");
   app.footer(StagesHelp() +
              "\nReruns are written to RUN/budget; after an interrupt, the same command "
@@ -99,6 +101,7 @@ int BudgetCommand(int argc, char** argv) {
   LoadedScenario loaded = FindScenario({scenario.string(), {}, catalog, {}});
   job.spec = std::move(loaded.spec);
   job.objects = std::move(loaded.objects);
+  if (!job.rows.empty()) RequireProgramsAllowed(job.spec, run, programs);
   job.tolerance = MapsFor(job.spec, job.objects, tolerance);
   if (stages.empty()) KeepStagesOf(PlannerNamed(job.spec.planner.name), job.rows);
   BudgetRuns runs;

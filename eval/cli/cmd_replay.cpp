@@ -90,9 +90,7 @@ int ReplayCommand(int argc, char** argv) {
   bool verbose = false;
   app.add_flag("--verbose", verbose, "print the hashes of all stages, also of equal ones");
   bool programs = false;
-  app.add_flag("--programs", programs,
-               "start the programs that the stored settings name, such as an estimator in Python; "
-               "for results of your own");
+  AddProgramsArgument(app, programs);
   bool list = false;
   app.add_flag("--list", list,
                "only list the trials of the run: number, bin, attempts, successes and status")
@@ -108,7 +106,7 @@ int ReplayCommand(int argc, char** argv) {
   }
   const TrialAddress address = ParseTrialAddress(address_text);
   const RecordedTrial recorded = ReadRecordedTrial(address, catalog);
-  RequireProgramsAllowed(recorded.spec, address, programs);
+  RequireProgramsAllowed(recorded.spec, address_text, programs);
   SayWhatChanged(recorded);
   if (animate) RequireMotion(recorded, address_text, only_attempt);
   const std::filesystem::path folder =

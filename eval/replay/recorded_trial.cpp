@@ -136,7 +136,7 @@ std::string TrialList(const std::filesystem::path& run) {
   return text;
 }
 
-void RequireProgramsAllowed(const ScenarioSpec& spec, const TrialAddress& address, bool allowed) {
+void RequireProgramsAllowed(const ScenarioSpec& spec, const std::string& results, bool allowed) {
   std::vector<std::string> used;
   for (const auto* command : {&spec.estimator.command, &spec.planner.command}) {
     if (!command->empty()) used.push_back(fmt::format("'{}'", fmt::join(*command, " ")));
@@ -147,7 +147,7 @@ void RequireProgramsAllowed(const ScenarioSpec& spec, const TrialAddress& addres
   CheckInput(allowed || used.empty(),
              fmt::format("{}: its settings use {}; allow it (--programs) if these results are "
                          "your own",
-                         Named(address), fmt::join(used, " and ")));
+                         results, fmt::join(used, " and ")));
 }
 
 RecordedTrial ReadRecordedTrial(const TrialAddress& address, const std::string& catalog) {

@@ -44,9 +44,10 @@ struct RecordedTrial {
 // exist, if the store has a later version, or if a file is missing.
 RecordedTrial ReadRecordedTrial(const TrialAddress& address, const std::string& catalog);
 
-// Throws InputError if the stored settings name a program or a server that a replay would use,
-// unless `allowed`. The store of another person can name any program.
-void RequireProgramsAllowed(const ScenarioSpec& spec, const TrialAddress& address, bool allowed);
+// Throws InputError if the stored settings name a program or a server that repeating a trial would
+// use, unless `allowed`. The results of another person can name any program.
+//   results  their name in the message
+void RequireProgramsAllowed(const ScenarioSpec& spec, const std::string& results, bool allowed);
 
 // Lists the recorded trials of a run or sweep: a header and one line per trial with its number,
 // bin, attempts, successful picks and status (finished or crashed). Throws InputError if the folder

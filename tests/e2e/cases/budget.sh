@@ -49,6 +49,12 @@ invalid_budget_requests_are_refused() {
   refused "did you mean 'pose'?" "$pickbed" budget here --stages poes
   expect 0 "$pickbed" budget here --stages none
   [ ! -e here/budget/pose ] || fail "an unrequested rerun was made"
+  # The results of others can name any program.
+  cp -r here theirs
+  sed -i '0,/^  name: .*oracle/s//  name: process/; 0,/^  command: \[\]/s//  command: [touch, started]/' \
+    theirs/scenario.yaml
+  refused "theirs: its settings use 'touch started'" "$pickbed" budget theirs --stages pose
+  [ ! -e started ] || fail "a program of others was started"
   sed -i 's/^seed: .*/seed: 99/' here/scenario.yaml
   refused "repeat the run" "$pickbed" budget here
   rm here/results.sqlite

@@ -214,14 +214,12 @@ TEST_F(ReplayTest, CrashedTrialIsReplayedFromItsNumber) {
 // Another person can have written the store, and with it the settings.
 TEST_F(ReplayTest, ProgramsOfAStoreNeedPermission) {
   ScenarioSpec spec = Record().spec;
-  RequireProgramsAllowed(spec, {run_, kTrial}, false);
+  RequireProgramsAllowed(spec, "run", false);
   spec.estimator.command = {"rm", "-rf", "x"};
   spec.planner.connect = "localhost:7000";
-  EXPECT_THAT(ErrorOf([&] {
-                RequireProgramsAllowed(spec, {run_, kTrial}, false);
-              }),
-              HasSubstr("its settings use 'rm -rf x' and localhost:7000"));
-  RequireProgramsAllowed(spec, {run_, kTrial}, true);
+  EXPECT_THAT(ErrorOf([&] { RequireProgramsAllowed(spec, "run", false); }),
+              HasSubstr("run: its settings use 'rm -rf x' and localhost:7000"));
+  RequireProgramsAllowed(spec, "run", true);
 }
 
 TEST_F(ReplayTest, RefusesMissingTrialsAndFiles) {
