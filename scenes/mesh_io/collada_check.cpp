@@ -173,7 +173,12 @@ class Checker {
       if (child.name == "ph") ++lists;
       if (child.name == "p") {
         ++lists;
-        words += WordsIn(child.text).size();
+        const std::vector<std::string_view> indices = WordsIn(child.text);
+        words += indices.size();
+        for (const std::string_view index : indices) {
+          if (WholeNumber(index)) continue;
+          Refuse(child, fmt::format("has '{}', which is no index", OneLine(std::string(index))));
+        }
       }
       if (child.name != "vcount") continue;
       const std::vector<std::string_view> sizes = WordsIn(child.text);

@@ -7,15 +7,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
+#include <assimp/LogStream.hpp>
 #include <cmath>
 #include <map>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 #include "scenes/image/image_check.h"
 #include "scenes/image/image_io.h"
 #include "scenes/mesh_io/material_check.h"
@@ -280,12 +285,44 @@ class NotingFiles : public Assimp::DefaultIOSystem {
   std::set<fs::path>& used_;
 };
 
+// Notes the warnings with which Assimp drops faces.
+class DropWarnings {
+ public:
+  DropWarnings() {
+    Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, /*defStreams=*/0);
+    Assimp::DefaultLogger::get()->attachStream(new Stream(warning_), Assimp::Logger::Warn);
+  }
+  ~DropWarnings() { Assimp::DefaultLogger::kill(); }  // deletes the stream
+  DropWarnings(const DropWarnings&) = delete;
+  DropWarnings& operator=(const DropWarnings&) = delete;
+  // Returns the last warning, or an empty text.
+  const std::string& last() const { return warning_; }
+
+ private:
+  class Stream : public Assimp::LogStream {
+   public:
+    explicit Stream(std::string& warning) : warning_(warning) {}
+    void write(const char* message) override {
+      // Texts of Assimp 5.2. Its other losses are lines, which are not loaded.
+      const std::string_view text(message);
+      for (const char* loss : {"out-of-range indices", "with the TRIANGLES mode"}) {
+        if (text.find(loss) != std::string_view::npos) warning_ = message;
+      }
+    }
+
+   private:
+    std::string& warning_;
+  };
+  std::string warning_;
+};
+
 }  // namespace
 
 ImportedMesh ImportMesh(const fs::path& path, double scale) {
   CheckMeshFile(path);
   CheckMeshText(path);
   ImportedMesh imported;
+  const DropWarnings warnings;
   Assimp::Importer importer;
   importer.SetIOHandler(new NotingFiles(imported.used));  // the importer owns it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
@@ -294,6 +331,7 @@ ImportedMesh ImportMesh(const fs::path& path, double scale) {
   if (scene == nullptr || scene->mRootNode == nullptr) {
     RefuseUnreadable(path, importer.GetErrorString());
   }
+  if (!warnings.last().empty()) RefuseUnreadable(path, OneLine(warnings.last()));
   CheckFaces(path, *scene);
   CheckNormals(path, *scene);
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
@@ -311,8 +349,9 @@ ImportedMesh ImportMesh(const fs::path& path, double scale) {
   const auto is_finite = [](const Eigen::Vector3d& vertex) { return vertex.allFinite(); };
   CheckInput(std::ranges::all_of(mesh.vertices, is_finite),
              "mesh '" + path.string() + "' has vertices that are not numbers; export it again");
-  const auto is_near = [](const Eigen::Vector3d& vertex) {
-    return vertex.cwiseAbs().maxCoeff() <= kMaxCoordinate;
+  const double largest = kMaxCoordinate * scale;
+  const auto is_near = [largest](const Eigen::Vector3d& vertex) {
+    return vertex.cwiseAbs().maxCoeff() <= largest;
   };
   CheckInput(std::ranges::all_of(mesh.vertices, is_near),
              fmt::format("mesh '{}' has a coordinate over {:g}; export it again", path.string(),

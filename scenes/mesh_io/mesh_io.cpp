@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Part of the file name. Raise it when the import gives another mesh.
-constexpr int kImportVersion = 3;
+constexpr int kImportVersion = 4;
 
 // Hash of the content of a file, 0 = there is none.
 uint64_t HashOfFile(const fs::path& file) {

@@ -52,6 +52,50 @@ TEST(ImportMesh, RefusesDamagedTextures) {
   }
 }
 
+// Writes a tetrahedron with these indices as the corners of its faces.
+std::string WriteGltf(const TemporaryFolder& folder, const std::vector<uint16_t>& corners) {
+  const float vertices[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  std::string bytes(reinterpret_cast<const char*>(vertices), sizeof vertices);
+  bytes.append(reinterpret_cast<const char*>(corners.data()), corners.size() * sizeof(uint16_t));
+  folder.Write("a.bin", bytes);
+  return folder.Write("a.gltf", R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+"nodes":[{"mesh":0}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
+"buffers":[{"uri":"a.bin","byteLength":72}],
+"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},
+{"buffer":0,"byteOffset":48,"byteLength":24}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3",
+"min":[0,0,0],"max":[1,1,1]},
+{"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}]})");
+}
+
+// The importer drops such faces with a warning.
+TEST(ImportMesh, AGltfWithAnIndexWithoutVertexIsNotLoadedInPart) {
+  const TemporaryFolder folder;
+  const std::string file = WriteGltf(folder, {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3});
+  EXPECT_EQ(ImportMesh(file, 1).mesh.triangles.size(), 4u);
+  for (const uint16_t index : {uint16_t{4}, uint16_t{60000}}) {
+    WriteGltf(folder, {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, index});
+    EXPECT_THAT(InputErrorOf([&] { ImportMesh(file, 1); }),
+                AllOf(HasSubstr(file), HasSubstr("out-of-range indices")))
+        << index;
+  }
+}
+
+TEST(ImportMesh, TheLimitOfCoordinatesIsInTheUnitOfTheFile) {
+  const TemporaryFolder folder;
+  const auto triangle = [&](const char* x) {
+    return folder.Write("a.obj", fmt::format("v 0 0 0\nv {} 0 0\nv 0 1 0\nf 1 2 3\n", x));
+  };
+  for (const double scale : {1e-6, 1e-3, 1.0, 10.0}) {
+    EXPECT_NEAR(MeshBounds(ImportMesh(triangle("9e6"), scale).mesh).max.x(), 9e6 * scale,
+                9e6 * scale * 1e-6);
+    EXPECT_THAT(InputErrorOf([&] { ImportMesh(triangle("1.1e7"), scale); }),
+                HasSubstr("a coordinate over 1e+07"))
+        << scale;
+  }
+}
+
 TEST(MeshFileCheck, ReadsTheFaceCountOfAPlyHeader) {
   const TemporaryFolder folder;
   const std::string header = "ply\nformat ascii 1.0\nelement vertex 3\nelement face 2\n";
