@@ -141,6 +141,12 @@ Camera RandomCamera(const ScenarioSpec& spec, const ViewSpread& spread, Rng& rng
   return nominal;  // it is so low that no sampled view is high enough above the walls
 }
 
+std::vector<LostItem> NotWritten(std::vector<LostItem> lost, const std::vector<int>& written) {
+  std::erase_if(
+      lost, [&](const LostItem& scene) { return std::ranges::binary_search(written, scene.item); });
+  return lost;
+}
+
 MakeDatasetReport MakeDataset(const ScenarioSpec& spec, const ObjectSet& objects,
                               const MakeDatasetOptions& options,
                               const std::function<void(const MakeDatasetReport&)>& on_scene,
@@ -179,7 +185,9 @@ MakeDatasetReport MakeDataset(const ScenarioSpec& spec, const ObjectSet& objects
   };
   WorkReport work = RunInWorkers(plan);
   report.stopped = work.stopped;
-  report.lost = std::move(work.lost);
+  const size_t unconfirmed = work.lost.size();
+  report.lost = NotWritten(std::move(work.lost), SceneIdsOf(options.out, options.split));
+  report.done += static_cast<int>(unconfirmed - report.lost.size());
   if (report.stopped || !report.lost.empty()) return report;
   WriteTargets(options.out, options.split);
   WriteCards(spec, objects, options, identity);

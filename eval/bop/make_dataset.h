@@ -48,6 +48,10 @@ struct MakeDatasetReport {
   std::vector<LostItem> lost;  // by scene id
 };
 
+// Returns the lost scenes that are not among the written ones. A worker that was killed after it
+// wrote a scene and before it said so has lost nothing. `written` is ascending.
+std::vector<LostItem> NotWritten(std::vector<LostItem> lost, const std::vector<int>& written);
+
 // Writes models/ and models_eval/, camera.json, stored_scenario.yaml, the scenes, target files, and
 // dataset_card.json and .md. Each scene folder also has the settled scene (stored_scenes.h). Scene
 // ids start at 1; scene id - 1 is the scenario's trial. Cards and targets are written when all

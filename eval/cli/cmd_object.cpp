@@ -67,6 +67,10 @@ void Add(const AddArguments& arguments) {
              fmt::format("--name '{}': the name of an object must not be empty or contain '/', "
                          "'\\', '.' or a space",
                          request.name));
+  CheckInput(request.name == Printable(request.name),
+             fmt::format("--name '{}': the name of an object must not contain control characters "
+                         "or bytes that are not UTF-8",
+                         request.name));
   std::error_code error;
   CheckInput(std::filesystem::is_regular_file(request.mesh, error),
              fmt::format("mesh '{}' is no file; check the path", request.mesh.string()));

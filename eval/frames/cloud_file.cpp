@@ -324,13 +324,21 @@ Image<float> Coordinate(const CloudFile& cloud, const std::string& key, const st
   return image;
 }
 
-std::optional<Image<Rgb8>> ColorOf(const CloudFile& cloud) {
+std::optional<Image<Rgb8>> ColorOf(const CloudFile& cloud, const std::string& name) {
   const CloudFile::Field* packed = cloud.Find("rgba");
   if (packed == nullptr) packed = cloud.Find("rgb");
   const CloudFile::Field *red = cloud.Find("red"), *green = cloud.Find("green"),
                          *blue = cloud.Find("blue");
-  const bool separate = red != nullptr && green != nullptr && blue != nullptr && !red->is_float;
-  if (packed == nullptr && !separate) return std::nullopt;
+  if (packed == nullptr && red == nullptr && green == nullptr && blue == nullptr) {
+    return std::nullopt;
+  }
+  const auto is_channel = [](const CloudFile::Field* field) {
+    return field != nullptr && !field->is_float;
+  };
+  CheckInput(packed != nullptr || (is_channel(red) && is_channel(green) && is_channel(blue)),
+             name +
+                 ": a color needs the fields red, green and blue with integers from 0 to 255; "
+                 "write all three as integers, or leave them out");
   Image<Rgb8> color(cloud.width, cloud.height);
   for (size_t i = 0; i < color.size(); ++i) {
     if (packed != nullptr) {
@@ -387,7 +395,7 @@ RgbdFrame FrameOfCloud(const CloudFile& cloud, const std::string& name, double u
     if (!std::isfinite(z) || z < 0) z = 0;
   }
   frame.intrinsics = FitIntrinsics(frame.depth_m, x_m, y_m, name);
-  if (std::optional<Image<Rgb8>> color = ColorOf(cloud)) frame.color = *std::move(color);
+  if (std::optional<Image<Rgb8>> color = ColorOf(cloud, name)) frame.color = *std::move(color);
   return frame;
 }
 

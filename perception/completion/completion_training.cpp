@@ -372,8 +372,8 @@ CompletionCheckpoint ReadCompletionCheckpoint(const std::filesystem::path& file,
     checkpoint.training_state = reader.Take();
     reader.RequireEnd();
   } catch (const InputError& error) {
-    throw InputError(
-        fmt::format("{}: {}; delete it and start the training again", file.string(), error.what()));
+    throw InputError(fmt::format("{}: {}; restore the file from a copy, or train to another file",
+                                 file.string(), error.what()));
   }
   CheckInput(checkpoint.key == key,
              fmt::format("{}: belongs to a training with other settings; use the same ones, write "

@@ -99,8 +99,8 @@ Checkpoint ReadCheckpoint(const std::filesystem::path& file, const std::string& 
   try {
     checkpoint = Parse(bytes);
   } catch (const InputError& error) {
-    throw InputError(
-        fmt::format("{}: {}; delete it and start the training again", file.string(), error.what()));
+    throw InputError(fmt::format("{}: {}; restore the file from a copy, or train to another file",
+                                 file.string(), error.what()));
   }
   CheckInput(checkpoint.key == key,
              fmt::format("{}: belongs to a training with other settings or objects; use the same "

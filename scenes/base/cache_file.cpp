@@ -5,6 +5,9 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
+#include <mutex>
+#include <set>
 #include <utility>
 
 #include "scenes/base/byte_blocks.h"
@@ -31,6 +34,17 @@ bool BelongsToAnotherUser(const std::filesystem::path& file) {
 
 CacheListener SetCacheListener(CacheListener listener) {
   return std::exchange(DamageListener(), std::move(listener));
+}
+
+void TidyCacheFolder(const std::filesystem::path& folder) {
+  constexpr std::chrono::hours kDay(24);
+  static std::mutex mutex;
+  static std::set<std::filesystem::path> tidied;
+  {
+    const std::scoped_lock lock(mutex);
+    if (!tidied.insert(folder).second) return;
+  }
+  RemoveOldTemporaries(folder, kDay);
 }
 
 void ReportDamagedCacheFile(const std::filesystem::path& file, const std::string& fault) {

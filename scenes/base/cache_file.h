@@ -29,6 +29,10 @@ void WriteCacheFile(const std::filesystem::path& file, std::string_view content)
 // Reports a file whose check sum is right, but whose content is not.
 void ReportDamagedCacheFile(const std::filesystem::path& file, const std::string& fault);
 
+// Removes unfinished files of killed processes, once per process and folder. Other machines can use
+// the same folder, so only files older than a day are removed.
+void TidyCacheFolder(const std::filesystem::path& folder);
+
 // Returns the value of a cache file. If there is no usable file, computes the value with `make` and
 // stores it. Other processes that need the same value wait for it.
 //   read(content)  returns the value; nullopt if it is out of date; throws InputError if the
@@ -48,6 +52,7 @@ auto Cached(const std::filesystem::path& file, Read&& read, Make&& make, Write&&
   };
   if (auto value = stored()) return *std::move(value);
   MakeFolder(file.parent_path());
+  TidyCacheFolder(file.parent_path());
   const CacheLock lock(file);
   if (auto value = stored()) return *std::move(value);
   auto value = make();

@@ -212,6 +212,20 @@ void RemoveTemporaries(const fs::path& folder) {
   for (const fs::path& file : left) fs::remove(file, error);
 }
 
+void RemoveOldTemporaries(const fs::path& folder, std::chrono::hours age) {
+  std::error_code error;
+  std::vector<fs::path> left;
+  for (fs::directory_iterator next(folder, error), end; !error && next != end;
+       next.increment(error)) {
+    if (next->path().filename().string().rfind(kTemporary) == std::string::npos) continue;
+    if (!next->is_regular_file(error)) continue;
+    const fs::file_time_type written = next->last_write_time(error);
+    if (!error && written < fs::file_time_type::clock::now() - age) left.push_back(next->path());
+    error.clear();
+  }
+  for (const fs::path& file : left) fs::remove(file, error);
+}
+
 void WriteFileAtomically(const fs::path& path, const std::string& bytes) {
   TemporaryFile file(path);
   file.Write(bytes);

@@ -2,6 +2,7 @@
 
 // Locations of the program's assets and cache, and reading and writing of complete files.
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -55,6 +56,9 @@ inline constexpr char kLockFile[] = "lock";
 // below. Sub-folders that have their own lock file are skipped: another machine could write there.
 // The caller holds the lock of the folder.
 void RemoveTemporaries(const std::filesystem::path& folder);
+// Removes unfinished files of any process in a folder, not in its subfolders, if they were not
+// written for `age`.
+void RemoveOldTemporaries(const std::filesystem::path& folder, std::chrono::hours age);
 
 // Throws InputError when no file can be created at `path`. Call it before long work whose result is
 // written there.

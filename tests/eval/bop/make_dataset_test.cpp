@@ -65,6 +65,13 @@ TEST(BopMake, SameBytesForAnyJobCountAndAfterResume) {
   ExpectSame(one, two);
 }
 
+TEST(BopMake, AWrittenSceneWhoseWorkerWasKilledIsNotLost) {
+  const std::vector<LostItem> lost =
+      NotWritten({{2, "killed by signal 9"}, {3, "killed by signal 9"}}, {1, 2, 4});
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_EQ(lost.front().item, 3);
+}
+
 Image<uint8_t> MaskIn(const fs::path& folder, const char* kind, int image, int position) {
   return ReadPng8(folder / kind / MaskFileName(image, position));
 }

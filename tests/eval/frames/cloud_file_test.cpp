@@ -56,6 +56,25 @@ TEST(CloudFile, PlyGivesDepthColourAndIntrinsics) {
   }
 }
 
+TEST(CloudFile, ColorsThatAreNotWholeAreRefused) {
+  const TemporaryFolder folder;
+  const auto frame = [&](const std::string& from, const std::string& to) {
+    std::string bytes = PlyCloud("", true);
+    const size_t at = bytes.find(from);
+    bytes.replace(at, from.size(), to);
+    const auto file = folder.Write("a.ply", bytes);
+    return FrameOfCloud(ReadCloudFile(file, {8, 6}), "a.ply");
+  };
+  for (const auto& [from, to] :
+       {std::pair("uchar green", "uchar paint"), std::pair("uchar red", "float red"),
+        std::pair("uchar blue", "float blue")}) {
+    EXPECT_THAT(ErrorOf([&] { frame(from, to); }), HasSubstr("a.ply: a color needs the fields red"))
+        << to;
+  }
+  const std::string colors = "uchar red\nproperty uchar green\nproperty uchar blue";
+  EXPECT_TRUE(frame(colors, "uchar r\nproperty uchar g\nproperty uchar b").color.empty());
+}
+
 TEST(CloudFile, CameraElementOfPclGivesTheSize) {
   std::string bytes = PlyCloud("", true);
   const size_t at = bytes.find("end_header");

@@ -302,10 +302,11 @@ TEST(CompletionTraining, RefusesACheckpointThatIsLongerThanItsBlocks) {
   WriteFileAtomically(file, WithRightHash(bytes));
   EXPECT_EQ(ReadCompletionCheckpoint(file, "key").step, 3);
   WriteFileAtomically(file, WithRightHash(bytes + "x"));
-  EXPECT_EQ(ErrorOf([&] { ReadCompletionCheckpoint(file, "key"); }),
-            file.string() +
-                ": the file is damaged: it is longer than its blocks; delete it and "
-                "start the training again");
+  EXPECT_EQ(
+      ErrorOf([&] { ReadCompletionCheckpoint(file, "key"); }),
+      file.string() +
+          ": the file is damaged: it is longer than its blocks; restore the file from a copy, "
+          "or train to another file");
 }
 
 }  // namespace

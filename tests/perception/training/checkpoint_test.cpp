@@ -68,10 +68,11 @@ TEST(Checkpoint, AFileThatIsLongerThanItsBlocksIsRefused) {
   WriteFileAtomically(file, WithRightHash(bytes));
   EXPECT_EQ(ReadCheckpoint(file, "key").iteration, 3);
   WriteFileAtomically(file, WithRightHash(bytes + "x"));
-  EXPECT_EQ(ErrorOf([&] { ReadCheckpoint(file, "key"); }),
-            file.string() +
-                ": the file is damaged: it is longer than its blocks; delete it and "
-                "start the training again");
+  EXPECT_EQ(
+      ErrorOf([&] { ReadCheckpoint(file, "key"); }),
+      file.string() +
+          ": the file is damaged: it is longer than its blocks; restore the file from a copy, "
+          "or train to another file");
 }
 
 }  // namespace

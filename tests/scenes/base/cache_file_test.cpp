@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -105,6 +105,21 @@ TEST_F(CacheFile, FilesOfAnotherUserAreNotUsed) {
   EXPECT_FALSE(ReadCacheFile(file_).has_value());
   ASSERT_EQ(lines_.size(), 1u);
   EXPECT_THAT(lines_[0], HasSubstr("belongs to another user"));
+}
+
+TEST_F(CacheFile, OldUnfinishedFilesAreRemovedWhenAValueIsMade) {
+  const std::string old = file_.string() + ".tmp-1-0", recent = file_.string() + ".tmp-1-1",
+                    other = file_.string() + ".copy";
+  MakeFolder(file_.parent_path());
+  const auto now = std::filesystem::file_time_type::clock::now();
+  for (const std::string& name : {old, recent, other}) {
+    WriteFileAtomically(name, "half");
+    std::filesystem::last_write_time(name, now - std::chrono::hours(name == recent ? 23 : 25));
+  }
+  EXPECT_EQ(Number(), 42);
+  EXPECT_FALSE(std::filesystem::exists(old));
+  EXPECT_TRUE(std::filesystem::exists(recent)) << "a process of another machine may write it";
+  EXPECT_TRUE(std::filesystem::exists(other)) << "it is no unfinished file";
 }
 
 }  // namespace
