@@ -1,6 +1,7 @@
 #include "eval/bop/estimate_dataset.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -21,6 +22,7 @@
 #include "perception/estimators/pose_estimator.h"
 #include "perception/icp/final_refinement.h"
 #include "scenes/base/error.h"
+#include "scenes/base/finite_counts.h"
 
 namespace pickbed::eval {
 namespace {
@@ -83,7 +85,8 @@ class Runner {
     without_background_ += !result.has_background;
     outside_domain_ += !result.domain_warnings.empty();
     if (first_domain_warning_.empty() && !result.domain_warnings.empty()) {
-      first_domain_warning_ = result.domain_warnings.front();
+      first_domain_warning_ = fmt::format("image {}/{}: {}", place.scene_id, place.image_id,
+                                          fmt::join(result.domain_warnings, "; "));
     }
     place.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     for (const PoseHypothesis& hypothesis : result.hypotheses) {
@@ -94,14 +97,19 @@ class Runner {
     }
   }
 
-  // Warns of images that are unlike the training images, and of images in which the estimator
-  // recognised no background.
+  // Warns of images that are unlike the training images, that have nothing in the region of
+  // interest, or in which the estimator recognised no background.
   void WarnOfImages() const {
     if (!on_warning_) return;
     if (outside_domain_ > 0) {
       on_warning_(fmt::format("{} of {} images are unlike the training images; the first: {}",
                               outside_domain_, images_, first_domain_warning_));
     }
+    if (empty_regions_ > 0) {
+      on_warning_(fmt::format("the region of interest has no depth reading in {} of {} images",
+                              empty_regions_, images_));
+    }
+    for (const std::string& line : NotFiniteWarnings()) on_warning_(line);
     if (without_background_ == 0) return;
     on_warning_(
         fmt::format("no table, floor or bin was recognised in {} of {} images: poses on them may "
@@ -120,6 +128,7 @@ class Runner {
     if (region_.empty()) return estimator_->Estimate(input, rng);
     const ImageRegion region = MakeRegion(region_, input.frame, image.X_CW, objects());
     input.region = &region.pixels;
+    empty_regions_ += !HasReadingIn(region, input.frame);
     EstimateResult result = estimator_->Estimate(input, rng);
     KeepPosesIn(region, input.frame.intrinsics, objects(), result.hypotheses);
     return result;
@@ -146,7 +155,7 @@ class Runner {
   RegionSpec region_;
   std::function<void(const std::string& line)> on_warning_;
   bool is_first_ = true;  // the next image
-  int images_ = 0, without_background_ = 0, outside_domain_ = 0;
+  int images_ = 0, without_background_ = 0, outside_domain_ = 0, empty_regions_ = 0;
   std::string first_domain_warning_;
   std::vector<int> object_ids_;
   std::unique_ptr<ImageEstimator> estimator_;

@@ -18,6 +18,10 @@ ResultColumns ImagePosesKeys() {
       {"camera.cy", "row of the principal point; 0 is the center of the first pixel", "px"},
       {"depth_scale_mm", "length of one unit of the depth file"},
       {"estimator", "name and search mode of the estimator"},
+      {"model", "model of the estimator, as given; empty = the included one, or none"},
+      {"min_score", "minimum score of a reported pose", "0..1"},
+      {"refiner", "final refiner"},
+      {"seed", "random seed"},
       {"region", "region of interest, as given; empty = the whole image"},
       {"warnings", "doubts about the image, one text each"},
       {"poses[].object", "name of the object"},
@@ -37,6 +41,10 @@ std::string ImagePosesJson(const ImageFacts& facts, std::span<const PoseHypothes
                     {"fy", k.fy()},       {"cx", k.cx()},         {"cy", k.cy()}};
   json["depth_scale_mm"] = facts.depth_scale_mm;
   json["estimator"] = facts.estimator;
+  json["model"] = facts.model;
+  json["min_score"] = facts.min_score;
+  json["refiner"] = facts.refiner;
+  json["seed"] = facts.seed;
   json["region"] = facts.region;
   json["warnings"] = facts.warnings;
   json["poses"] = nlohmann::ordered_json::array();

@@ -2,6 +2,7 @@
 
 // Estimated poses in one image of a user, as JSON and CSV files.
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,6 +27,10 @@ struct ImageFacts {
   std::string estimator;              // name and mode
   std::string region;                 // of interest, as given; empty = the whole image
   std::vector<std::string> warnings;  // of CheckFrame() and of the estimator
+  double min_score = 0;               // of a reported pose
+  std::string model;                  // of the estimator, as given
+  std::string refiner;
+  uint64_t seed = 0;
 };
 
 // Poses in the camera frame: highest score first, rotation matrix by rows and translation in m.

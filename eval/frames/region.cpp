@@ -128,12 +128,19 @@ ImageRegion MakeRegion(const RegionSpec& spec, const RgbdFrame& frame,
   return region;
 }
 
+bool HasReadingIn(const ImageRegion& region, const RgbdFrame& frame) {
+  for (size_t i = 0; i < frame.depth_m.size(); ++i) {
+    if (frame.depth_m.data()[i] > 0 && region.pixels.data()[i] != 0) return true;
+  }
+  return false;
+}
+
 void RequireReadingsIn(const ImageRegion& region, const RgbdFrame& frame, const std::string& name) {
+  if (HasReadingIn(region, frame)) return;
   float nearest_m = std::numeric_limits<float>::infinity(), farthest_m = 0;
   for (size_t i = 0; i < frame.depth_m.size(); ++i) {
     const float z = frame.depth_m.data()[i];
     if (!(z > 0)) continue;
-    if (region.pixels.data()[i] != 0) return;
     nearest_m = std::min(nearest_m, z);
     farthest_m = std::max(farthest_m, z);
   }

@@ -33,6 +33,9 @@ struct ImageRegion {
 ImageRegion MakeRegion(const RegionSpec& spec, const RgbdFrame& frame,
                        const std::optional<Pose>& X_CW, const ObjectSet& objects);
 
+// Returns whether a depth reading of the frame is in the region.
+bool HasReadingIn(const ImageRegion& region, const RgbdFrame& frame);
+
 // Throws InputError if no depth reading of the frame is in the region. The message has the region's
 // `name` and the range of the readings.
 void RequireReadingsIn(const ImageRegion& region, const RgbdFrame& frame, const std::string& name);

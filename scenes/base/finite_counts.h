@@ -4,10 +4,15 @@
 // values drops them, so that no later stage sees them, and counts them here. The counts are for
 // diagnosis. They never change a result.
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdint>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "scenes/base/stage_timer.h"
 
@@ -46,6 +51,17 @@ inline StageSeconds TakeNotFiniteCounts() {
     counts[std::string(kNotFinitePrefix) + kFiniteBoundaryNames[i]] = static_cast<double>(count);
   }
   return counts;
+}
+
+// Returns a line for each counter that is not 0, and sets all of them to 0.
+inline std::vector<std::string> NotFiniteWarnings() {
+  std::vector<std::string> lines;
+  for (const auto& [stage, count] : TakeNotFiniteCounts()) {
+    std::string name = stage.substr(std::string_view(kNotFinitePrefix).size());
+    std::ranges::replace(name, '_', ' ');
+    lines.push_back(fmt::format("dropped values that are not finite: {:.0f} of {}", count, name));
+  }
+  return lines;
 }
 
 }  // namespace pickbed::scenes

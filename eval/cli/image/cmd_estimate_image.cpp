@@ -16,6 +16,7 @@
 #include "eval/summary/result_files.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/finite_counts.h"
 #include "scenes/base/message_text.h"
 #include "scenes/geometry/symmetry_finder.h"
 #include "scenes/image/image_io.h"
@@ -157,7 +158,11 @@ int EstimateImage(const ScenarioRequest& arguments, const ImageArguments& image,
                    read.depth_scale_mm,
                    estimator.name + ":" + estimator.mode,
                    roi,
-                   Doubts(objects, depth_name, read)};
+                   Doubts(objects, depth_name, read),
+                   estimator.min_score,
+                   estimator.model,
+                   settings.refiner,
+                   settings.seed};
   const RegionSpec region_spec = roi.empty() ? settings.roi : ParseRegion(roi);
   std::optional<ImageRegion> region;
   if (!region_spec.empty()) {
@@ -198,6 +203,7 @@ int EstimateImage(const ScenarioRequest& arguments, const ImageArguments& image,
     facts.warnings.push_back(
         "no table, floor or bin was recognised: poses on it may have high scores");
   }
+  for (std::string& line : NotFiniteWarnings()) facts.warnings.push_back(std::move(line));
   for (const std::string& warning : facts.warnings) Say(warning);
   if (!hint.empty()) Say(hint);
 

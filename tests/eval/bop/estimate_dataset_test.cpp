@@ -1,5 +1,6 @@
 #include "eval/bop/estimate_dataset.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -98,6 +99,20 @@ TEST_F(EstimateDatasetTest, AnImageWithoutReadingsIsSkippedWithAWarning) {
   EXPECT_EQ(result.done, kImages);
   EXPECT_THAT(warnings,
               testing::Contains(testing::AllOf(HasSubstr("image 1/0"), HasSubstr("2 images"))));
+}
+
+TEST_F(EstimateDatasetTest, ARegionWithoutReadingsIsReported) {
+  EstimateDatasetOptions options = Options();
+  options.region = ParseRegion("camera:9,9,9,10,10,10");
+  std::vector<std::string> warnings;
+  options.on_warning = [&](const std::string& line) { warnings.push_back(line); };
+  EXPECT_TRUE(Run(options).estimates.empty());
+  EXPECT_THAT(warnings, testing::Contains(HasSubstr(
+                            fmt::format("has no depth reading in {0} of {0} images", kImages))));
+  warnings.clear();
+  options.region = ParseRegion("camera:-9,-9,0.01,9,9,9");
+  Run(options);
+  EXPECT_THAT(warnings, testing::Not(testing::Contains(HasSubstr("has no depth reading"))));
 }
 
 TEST_F(EstimateDatasetTest, AnErrorInEveryImageIsRefusedWithTheFolder) {

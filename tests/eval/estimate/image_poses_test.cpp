@@ -19,9 +19,22 @@ TEST(ImagePoses, JsonAndCsvHaveTheSamePoses) {
       MakePose(Eigen::AngleAxisd(0.5, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix(),
                Eigen::Vector3d(0.1, -0.2, 0.8));
   const std::vector<PoseHypothesis> poses{pose};
-  const auto json = nlohmann::json::parse(
-      ImagePosesJson({"a.png", "d.png", {8, 6, 12, 13, 3, 2}, 0.1, "ppf:fast", "auto", {"doubt"}},
-                     poses, {object}));
+  const auto json = nlohmann::json::parse(ImagePosesJson({"a.png",
+                                                          "d.png",
+                                                          {8, 6, 12, 13, 3, 2},
+                                                          0.1,
+                                                          "ppf:fast",
+                                                          "auto",
+                                                          {"doubt"},
+                                                          0.6,
+                                                          "m.net",
+                                                          "none",
+                                                          7},
+                                                         poses, {object}));
+  EXPECT_EQ(json["min_score"], 0.6);
+  EXPECT_EQ(json["model"], "m.net");
+  EXPECT_EQ(json["refiner"], "none");
+  EXPECT_EQ(json["seed"], 7);
   EXPECT_EQ(json["camera"]["fy"], 13);
   EXPECT_EQ(json["warnings"][0], "doubt");
   ASSERT_EQ(json["poses"].size(), 1u);

@@ -35,5 +35,13 @@ TEST(FiniteCounts, DifferFromDurations) {
   EXPECT_FALSE(IsNotFiniteCount("estimate/not_finite"));
 }
 
+TEST(FiniteCounts, WarningsNameTheBoundaryOnce) {
+  TakeNotFiniteCounts();
+  CountNotFinite(FiniteBoundary::kRefinedPoses, 3);
+  EXPECT_EQ(NotFiniteWarnings(),
+            std::vector<std::string>{"dropped values that are not finite: 3 of refined poses"});
+  EXPECT_TRUE(NotFiniteWarnings().empty());
+}
+
 }  // namespace
 }  // namespace pickbed::scenes
