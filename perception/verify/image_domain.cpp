@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "scenes/base/math.h"
 
@@ -12,6 +14,24 @@ namespace pickbed::perception {
 namespace {
 
 double Excess(double value, double limit) { return std::max(0.0, value / limit - 1); }
+
+// Returns whether the readings on a plane are nearly as far as each other. In an image that looks
+// along a floor, the farthest ones are some times as far as the nearest. The wall of a bin may be
+// the only plane of an image of a full bin, and is short. So is a small table.
+bool IsShort(const OrganizedCloud& cloud, const BackgroundPlane& plane) {
+  constexpr float kOnPlane_m = 0.004f;  // at 1 m
+  constexpr size_t kOutliers = 20;      // one in so many points at each end is ignored
+  constexpr float kMaxRatio = 1.5f;     // of the distances
+  std::vector<float> distances_m;
+  for (const Eigen::Vector3f& p : cloud.points_C) {
+    if (p.z() <= 0 || std::abs(plane.SignedDistance(p)) > kOnPlane_m * p.z() * p.z()) continue;
+    distances_m.push_back(p.z());
+  }
+  if (distances_m.empty()) return true;
+  std::ranges::sort(distances_m);
+  const size_t ignored = distances_m.size() / kOutliers;
+  return distances_m[distances_m.size() - 1 - ignored] < kMaxRatio * distances_m[ignored];
+}
 
 }  // namespace
 
@@ -22,6 +42,10 @@ ImageDomain DomainOf(const OrganizedCloud& cloud) {
   if (!cloud.planes.empty()) {
     const double down = std::abs(cloud.planes.back().normal_C.z());
     domain.tilt_rad = std::acos(std::min(1.0, down));
+    if (domain.tilt_rad > kMaxTilt_rad && cloud.background == BackgroundKind::kFitted &&
+        IsShort(cloud, cloud.planes.back())) {
+      domain.tilt_rad = 0;
+    }
   }
   return domain;
 }

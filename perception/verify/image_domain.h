@@ -23,7 +23,7 @@ inline constexpr double kMaxOutsideShare = 0.25;
 struct ImageDomain {
   double hole_share = 0;
   double error_at_1m_m = 0;  // standard deviation; at most kMaxTrainedError_m in the training
-  double tilt_rad = 0;       // 0 = no floor is known
+  double tilt_rad = 0;       // 0 = no floor is known, or only a short steep plane
 };
 
 // Measures the image of a cloud.

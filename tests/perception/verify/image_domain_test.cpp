@@ -62,5 +62,31 @@ TEST(DomainOf, EmptySurroundingsAreNoHoles) {
   EXPECT_THAT(DomainWarnings(domain).front(), HasSubstr("% of the depth is missing"));
 }
 
+// A plane that the camera looks along, with readings up to `far_m`.
+OrganizedCloud AlongAPlane(float tilt_rad, float far_m) {
+  OrganizedCloud cloud;
+  cloud.background = BackgroundKind::kFitted;
+  const Eigen::Vector3f normal_C(0, -std::sin(tilt_rad), -std::cos(tilt_rad));
+  const Eigen::Vector3f along_C(0, -std::cos(tilt_rad), std::sin(tilt_rad));
+  const Eigen::Vector3f start_C(0, 0.1f, 0.7f);
+  cloud.planes = {{normal_C, normal_C.dot(start_C)}};
+  for (int i = 0; i < 1000; ++i) {
+    const float share = static_cast<float>(i) / 1000;
+    cloud.points_C.push_back(start_C + share * (far_m - start_C.z()) / along_C.z() * along_C);
+  }
+  return cloud;
+}
+
+TEST(DomainOf, ALongFloorTiltsTheCameraAndTheWallOfABinDoesNot) {
+  EXPECT_NEAR(DomainOf(AlongAPlane(1.4f, 2.5f)).tilt_rad, 1.4, 1e-4);
+  EXPECT_NEAR(DomainOf(AlongAPlane(1.4f, 1.3f)).tilt_rad, 1.4, 1e-4);
+  EXPECT_EQ(DomainOf(AlongAPlane(1.4f, 0.85f)).tilt_rad, 0);
+  EXPECT_EQ(DomainOf(AlongAPlane(1.4f, 1)).tilt_rad, 0);
+  EXPECT_NEAR(DomainOf(AlongAPlane(0.8f, 0.85f)).tilt_rad, 0.8, 1e-4) << "an allowed tilt";
+  OrganizedCloud known = AlongAPlane(1.4f, 0.85f);
+  known.background = BackgroundKind::kKnown;
+  EXPECT_NEAR(DomainOf(known).tilt_rad, 1.4, 1e-4) << "the floor is known";
+}
+
 }  // namespace
 }  // namespace pickbed::tests
