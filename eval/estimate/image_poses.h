@@ -28,8 +28,8 @@ struct ImageFacts {
   std::string region;                 // of interest, as given; empty = the whole image
   std::vector<std::string> warnings;  // of CheckFrame() and of the estimator
   double min_score = 0;               // of a reported pose
-  std::string model;                  // of the estimator, as given
-  std::string refiner;
+  std::string model = {};             // of the estimator, as given
+  std::string refiner = {};
   uint64_t seed = 0;
 };
 
