@@ -78,7 +78,11 @@ TEST(Paths, NamesInAStoreDoNotLeaveTheFolderOfAMerge) {
     sweep.configurations.front().name = name;
     {
       ResultsStore results(store, HeadOf(sweep, store));
-      for (int trial = 0; trial < 2; ++trial) results.Write(FullTrial(trial));
+      for (int number = 0; number < 2; ++number) {
+        TrialResult trial = FullTrial(number);
+        trial.instances_cleared = 0;  // none of its attempts succeeds
+        results.Write(trial);
+      }
     }
     const auto before = FilesBelow(temporary.path());
     EXPECT_EQ(MergeStores({store}, out).trials, 2) << name;
