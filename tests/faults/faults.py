@@ -14,11 +14,16 @@ all results are, byte by byte, those of an undisturbed run. FAULT is one of
     terminate_group  SIGTERM to all processes, as Slurm sends it
     full_disk        a disk of seeded size, which then gets room
     clock_back       as kill_group, and the clock is 400 days earlier when the command is repeated
+    clock_forward    as kill_group, and the clock is 400 days later when the command is repeated
+    memory_limit     SIGKILL to all workers, again and again, as at a memory limit
+    two_writers      the same command is started a second time
+    lost_node        a sweep in three shards, and one of them is killed with all its processes
     slow_folder      a shared folder in which calls take up to 20 ms, and new files of other processes are seen late
     stale_handle     a shared folder in which one call fails with "Stale file handle"
     io_error         as stale_handle, with "Input/output error"
+    read_only        a shared folder in which nothing can be written any more
 
-The last three need the library slow_folder.cpp, which PICKBED_SLOW_FOLDER names.
+The last four need the library slow_folder.cpp, which PICKBED_SLOW_FOLDER names.
 
 Exit status 77: this machine does not permit the fault, with the reason on stderr.
 """
@@ -41,7 +46,9 @@ INTERRUPTED = 130
 BAD_INPUT = 1
 LIMIT_S = 300  # of one command; only a hang takes so long
 DISK_BYTES = 64 << 20
-FAILING_CALLS = {"stale_handle": errno.ESTALE, "io_error": errno.EIO}
+FAILING_CALLS = {"stale_handle": errno.ESTALE, "io_error": errno.EIO, "read_only": errno.EROFS}
+CLOCKS = {"clock_back": ("faketime", "-f", "-400d"), "clock_forward": ("faketime", "-f", "+400d")}
+SHARDS = 3
 
 SCENARIO = """\
 seed: 7
@@ -77,8 +84,8 @@ class Command:
         self.arguments = [pickbed, kind, f"{'small' if kind == 'run' else 'sweep'}.yaml", "--jobs", "2",
                           "--pictures", "1"]
 
-    def start(self, out, *more, clock=(), variables=None):
-        errors = open(self.work / "stderr.txt", "w")
+    def start(self, out, *more, clock=(), variables=None, stderr="stderr.txt"):
+        errors = open(self.work / stderr, "w")
         return subprocess.Popen([*clock, *self.arguments, "--out", out, *more], cwd=self.work, start_new_session=True,
                                 stdout=subprocess.DEVNULL, stderr=errors, env={**os.environ, **(variables or {})})
 
@@ -86,9 +93,9 @@ class Command:
         """Runs the command to its end and returns its exit status. `clock`: a program that changes the clock."""
         return wait(self.start(out, *more, clock=clock, variables=variables))
 
-    def error_lines(self):
+    def error_lines(self, stderr="stderr.txt"):
         """The lines on stderr that are no progress."""
-        lines = (self.work / "stderr.txt").read_text().splitlines()
+        lines = (self.work / stderr).read_text().splitlines()
         return [line for line in lines if line.startswith("pickbed: ")]
 
 
@@ -170,7 +177,7 @@ def signal_at(process, fault, moment_s, rng):
     number = signal.SIGTERM if fault.startswith("terminate") else signal.SIGKILL
     if process.poll() is not None:
         return
-    if fault.endswith("_group") or fault == "clock_back":
+    if fault.endswith("_group") or fault in CLOCKS:
         os.killpg(process.pid, number)
     else:
         os.kill(process.pid, number)
@@ -185,14 +192,13 @@ def signal_case(command, fault, whole, out, duration_s, rng):
     # Before main() the signals still have their usual effect, and the folder is not yet there.
     early = not out.exists() and status == -signal.SIGTERM
     expected = {"kill_group": {0, -signal.SIGKILL}, "kill_parent": {0, -signal.SIGKILL}, "kill_worker": {0},
-                "clock_back": {0, -signal.SIGKILL}}
+                **{clock: {0, -signal.SIGKILL} for clock in CLOCKS}}
     require(early or status in expected.get(fault, {0, INTERRUPTED}), f"exit status {status}: {lines}")
     require(len(lines) <= 1, f"more than one line: {lines}")
     before = rows(out, with_times=True)
     if status == INTERRUPTED and trials(before):
         require(lines and "--resume" in lines[0] or lines == ["pickbed: interrupted"], f"no advice: {lines}")
-    clock = ("faketime", "-f", "-400d") if fault == "clock_back" else ()
-    status = command.finish(out.name, "--resume", clock=clock)
+    status = command.finish(out.name, "--resume", clock=CLOCKS.get(fault, ()))
     require(status == 0, f"exit status {status} of --resume: {command.error_lines()}")
     require_kept(before, out)
     require_same(out, whole)
@@ -221,6 +227,75 @@ def disk_case(command, whole, out, size, rng):
     finally:
         subprocess.run(["umount", out], check=True)
     return f"full at {disk_bytes >> 10} kB with {len(trials(before))} trials"
+
+
+def memory_case(command, whole, out, duration_s, rng):
+    """From a moment on, each worker is killed. The command is repeated with --resume --retry-crashed."""
+    moment_s = rng.uniform(0, duration_s)
+    process = command.start(out.name)
+    time.sleep(moment_s)
+    killed = 0
+    while process.poll() is None:
+        for worker in workers_of(process.pid):
+            try:
+                os.kill(worker, signal.SIGKILL)
+                killed += 1
+            except ProcessLookupError:
+                pass  # it ended by itself
+        time.sleep(0.02)
+    status = wait(process)
+    lines = command.error_lines()
+    require(status in (0, BAD_INPUT), f"exit status {status}: {lines}")
+    require(status == 0 or len(lines) == 1 and "memory" in lines[0], f"not one line about memory: {lines}")
+    before = rows(out, with_times=True)
+    status = command.finish(out.name, "--resume", "--retry-crashed")
+    require(status == 0, f"exit status {status} of --resume: {command.error_lines()}")
+    require_kept(before, out)
+    require_same(out, whole)
+    return f"{killed} workers killed after {moment_s:.2f} s with {len(trials(before))} trials"
+
+
+def two_writers_case(command, whole, out, duration_s, rng):
+    """A second command of the same kind, with or without --resume, while the first one works."""
+    moment_s = rng.uniform(0, duration_s)
+    resume = ["--resume"] if rng.random() < 0.5 else []
+    first = command.start(out.name)
+    time.sleep(moment_s)
+    second = command.start(out.name, *resume, stderr="second.txt")
+    status = {"stderr.txt": wait(first), "second.txt": wait(second)}
+    for name in status:
+        lines = command.error_lines(name)
+        require(status[name] in (0, BAD_INPUT), f"exit status {status[name]}: {lines}")
+        require(status[name] == 0 or len(lines) == 1 and out.name in lines[0], f"not one line with the folder: {lines}")
+    require(0 in status.values(), "both were refused")
+    require_same(out, whole)
+    refused = command.error_lines("second.txt") or command.error_lines()
+    return f"second after {moment_s:.2f} s{' with --resume' if resume else ''}: {refused}"
+
+
+def lost_node_case(command, whole, out, duration_s, rng):
+    """Shards that run one after the other. One is killed, and its command is repeated as Slurm's job does."""
+    lost = rng.randrange(1, SHARDS + 1)
+    moment_s = rng.uniform(0, duration_s / SHARDS)
+    for shard in range(1, SHARDS + 1):
+        arguments = ["--shard", f"{shard}/{SHARDS}"]
+        process = command.start(out.name, *arguments)
+        if shard == lost:
+            signal_at(process, "kill_group", moment_s, rng)
+        status = wait(process)
+        require(status == 0 or shard == lost, f"exit status {status} of shard {shard}: {command.error_lines()}")
+    status = command.finish(out.name, "--shard", f"{lost}/{SHARDS}", "--resume")
+    require(status == 0, f"exit status {status} of --resume: {command.error_lines()}")
+    merged = command.work / "merged"
+    shutil.rmtree(merged, ignore_errors=True)
+    inputs = sorted(str(shard) for shard in (out / "shards").iterdir())
+    merge = subprocess.run([command.arguments[0], "merge", *inputs, "--out", str(merged)], capture_output=True, text=True)
+    require(merge.returncode == 0, f"merge: {merge.stderr}")
+    require(rows(merged) == rows(whole), "other rows in the merged store")
+    for name in files(merged) - NOT_COMPARED:
+        if name.endswith(".csv"):
+            require(filecmp.cmp(merged / name, whole / name, shallow=False), f"{name} differs")
+    return f"shard {lost} of {SHARDS} lost after {moment_s:.2f} s"
 
 
 class SharedFolder:
@@ -253,7 +328,7 @@ def slow_case(command, whole, out, rng):
 
 
 def failing_call_case(command, whole, out, number, rng, calls):
-    """One call in the folder fails with the error `number`. The command is repeated with --resume."""
+    """One call in the folder, or each later one that writes, fails. The command is repeated with --resume."""
     folder = SharedFolder(command.work, out)
     if command.kind not in calls:
         status = command.finish(out.name, variables=folder.with_fault())
@@ -261,7 +336,8 @@ def failing_call_case(command, whole, out, number, rng, calls):
         calls[command.kind] = folder.calls()
         shutil.rmtree(out)
     fail_at = rng.randrange(1, calls[command.kind] + 1)
-    status = command.finish(out.name, variables=folder.with_fault(fail_at=fail_at, errno=number))
+    fault = {"read_only_from": fail_at} if number == errno.EROFS else {"fail_at": fail_at, "errno": number}
+    status = command.finish(out.name, variables=folder.with_fault(**fault))
     lines = command.error_lines()
     what = f"call {fail_at} of {calls[command.kind]}" + ("" if folder.calls() >= fail_at else ", which was not made")
     require(status in (0, BAD_INPUT), f"{what}: exit status {status}: {lines}")
@@ -292,7 +368,7 @@ def main():
     pickbed, fault, cases, seed = sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
     if fault == "full_disk":
         mounts_of_our_own()
-    if fault == "clock_back" and shutil.which("faketime") is None:
+    if fault in CLOCKS and shutil.which("faketime") is None:
         print("skipped: there is no faketime; see group test in packages.txt", file=sys.stderr)
         return SKIPPED
     if fault in ("slow_folder", *FAILING_CALLS) and "PICKBED_SLOW_FOLDER" not in os.environ:
@@ -315,12 +391,18 @@ def main():
             undisturbed[kind] = command, whole, duration_s, size
         for case in range(cases):
             rng = random.Random(f"{seed} {fault} {case}")
-            command, whole, duration_s, size = undisturbed["run" if case % 2 == 0 else "sweep"]
+            command, whole, duration_s, size = undisturbed["run" if case % 2 == 0 and fault != "lost_node" else "sweep"]
             out = work / "out"
             shutil.rmtree(out, ignore_errors=True)
             try:
                 if fault == "full_disk":
                     what = disk_case(command, whole, out, size, rng)
+                elif fault == "memory_limit":
+                    what = memory_case(command, whole, out, duration_s, rng)
+                elif fault == "two_writers":
+                    what = two_writers_case(command, whole, out, duration_s, rng)
+                elif fault == "lost_node":
+                    what = lost_node_case(command, whole, out, duration_s, rng)
                 elif fault == "slow_folder":
                     what = slow_case(command, whole, out, rng)
                 elif fault in FAILING_CALLS:

@@ -7,6 +7,7 @@
 //                          also if another process has made it meanwhile
 //   SLOW_FOLDER_FAIL_AT    the call of this number fails, 1 = the first
 //   SLOW_FOLDER_ERRNO      with this error
+//   SLOW_FOLDER_READ_ONLY_FROM  from the call of this number on, nothing can be written (EROFS)
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -42,6 +43,7 @@ struct Settings {
   std::string folder;
   long delay_us = Number("SLOW_FOLDER_DELAY_US"), late_us = Number("SLOW_FOLDER_LATE_US");
   long fail_at = Number("SLOW_FOLDER_FAIL_AT"), error = Number("SLOW_FOLDER_ERRNO");
+  long read_only_from = Number("SLOW_FOLDER_READ_ONLY_FROM");
   std::atomic<int64_t>* calls = nullptr;  // shared by all processes
 
   Settings() {
@@ -84,12 +86,16 @@ std::string PathOf(int folder, const char* name) {
 }
 
 // Counts and delays a call on a path. Returns whether the call must fail; errno is then set.
-bool Fails(const std::string& path) {
+bool Fails(const std::string& path, bool writes) {
   if (!IsInside(path)) return false;
   const Settings& given = Given();
   const int64_t number = ++*given.calls;
   if (given.delay_us > 0) {
     usleep(static_cast<useconds_t>(number * 7919 % given.delay_us));  // a prime spreads them
+  }
+  if (writes && given.read_only_from > 0 && number >= given.read_only_from) {
+    errno = EROFS;
+    return true;
   }
   if (number != given.fail_at) return false;
   errno = static_cast<int>(given.error);
@@ -129,8 +135,8 @@ class Missing {
 
 // Finds a path with `try_it`, which returns -1 for failure.
 template <typename Try>
-int Find(const std::string& path, const Try& try_it) {
-  if (Fails(path)) return -1;
+int Find(const std::string& path, const Try& try_it, bool writes = false) {
+  if (Fails(path, writes)) return -1;
   if (Missing::Paths().Hides(path)) {
     errno = ENOENT;
     return -1;
@@ -145,8 +151,9 @@ int Find(const std::string& path, const Try& try_it) {
 // Opens a file. What a process makes itself, it sees at once.
 template <typename Open>
 int OpenFile(const std::string& path, int flags, const Open& open) {
-  if ((flags & O_CREAT) == 0) return Find(path, open);
-  if (Fails(path)) return -1;
+  const bool writes = (flags & (O_CREAT | O_WRONLY | O_RDWR)) != 0;
+  if ((flags & O_CREAT) == 0) return Find(path, open, writes);
+  if (Fails(path, writes)) return -1;
   const int result = open();
   if (result >= 0) Missing::Paths().Note(path, true);
   return result;
@@ -201,16 +208,16 @@ extern "C" int access(const char* path, int mode) noexcept {
 extern "C" int rename(const char* from, const char* to) noexcept {
   static const auto next = Next<int(const char*, const char*)>("rename");
   const std::string path = PathOf(AT_FDCWD, to);
-  if (Fails(path)) return -1;
+  if (Fails(path, true)) return -1;
   const int result = next(from, to);
   if (result == 0) Missing::Paths().Note(path, true);
   return result;
 }
 
-#define ON_PATH(name)                                       \
-  extern "C" int name(const char* path) noexcept {          \
-    static const auto next = Next<int(const char*)>(#name); \
-    return Fails(PathOf(AT_FDCWD, path)) ? -1 : next(path); \
+#define ON_PATH(name)                                             \
+  extern "C" int name(const char* path) noexcept {                \
+    static const auto next = Next<int(const char*)>(#name);       \
+    return Fails(PathOf(AT_FDCWD, path), true) ? -1 : next(path); \
   }
 ON_PATH(unlink)
 ON_PATH(rmdir)
@@ -218,31 +225,31 @@ ON_PATH(rmdir)
 extern "C" int mkdir(const char* path, mode_t mode) noexcept {
   static const auto next = Next<int(const char*, mode_t)>("mkdir");
   const std::string name = PathOf(AT_FDCWD, path);
-  if (Fails(name)) return -1;
+  if (Fails(name, true)) return -1;
   const int result = next(path, mode);
   if (result == 0) Missing::Paths().Note(name, true);
   return result;
 }
 
-#define ON_FILE(name)                               \
-  extern "C" int name(int file) {                   \
-    static const auto next = Next<int(int)>(#name); \
-    return Fails(PathOf(file)) ? -1 : next(file);   \
+#define ON_FILE(name)                                    \
+  extern "C" int name(int file) {                        \
+    static const auto next = Next<int(int)>(#name);      \
+    return Fails(PathOf(file), false) ? -1 : next(file); \
   }
 ON_FILE(fsync)
 ON_FILE(fdatasync)
 
 extern "C" ssize_t write(int file, const void* data, size_t size) {
   static const auto next = Next<ssize_t(int, const void*, size_t)>("write");
-  return Fails(PathOf(file)) ? -1 : next(file, data, size);
+  return Fails(PathOf(file), true) ? -1 : next(file, data, size);
 }
 
-#define TRANSFER(name, Data, Offset)                                          \
+#define TRANSFER(name, Data, Offset, writes)                                  \
   extern "C" ssize_t name(int file, Data data, size_t size, Offset offset) {  \
     static const auto next = Next<ssize_t(int, Data, size_t, Offset)>(#name); \
-    return Fails(PathOf(file)) ? -1 : next(file, data, size, offset);         \
+    return Fails(PathOf(file), writes) ? -1 : next(file, data, size, offset); \
   }
-TRANSFER(pwrite, const void*, off_t)
-TRANSFER(pwrite64, const void*, off64_t)
-TRANSFER(pread, void*, off_t)
-TRANSFER(pread64, void*, off64_t)
+TRANSFER(pwrite, const void*, off_t, true)
+TRANSFER(pwrite64, const void*, off64_t, true)
+TRANSFER(pread, void*, off_t, false)
+TRANSFER(pread64, void*, off64_t, false)
