@@ -44,7 +44,7 @@ struct TrainingOptions {
   // Clutter scenes per object for its verifier. 0 = with verifiers_only, keep the network of the
   // initial model for known backgrounds.
   int verifier_clutter_scenes = 24;
-  int verifier_room_scenes = 12;  // rooms per object for its verifier; every second has no object
+  int verifier_room_scenes = 32;  // rooms per object for its verifier; every second has no object
   // File of the network for unknown backgrounds that all objects share (shared_verifier.h), or
   // "none" = one is trained for each object.
   std::string shared_verifier = "none";

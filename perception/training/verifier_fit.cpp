@@ -55,8 +55,10 @@ void Fit(VerifierModule& net, const at::Tensor& x, const at::Tensor& y,
 }  // namespace
 
 void VerifierOptions::Visit(SettingsVisitor& v) {
-  v.Integer("hidden", hidden, {1, 1024}, "number of hidden units");
-  v.Integer("iterations", iterations, {1, 1000000}, "number of steps");
+  v.Integer("hidden", hidden, {1, 1024}, "number of hidden units of all networks together");
+  v.Integer("networks", networks, {1, static_cast<double>(std::clamp(hidden, 1, 1024))},
+            "number of networks whose logits are averaged; at most hidden");
+  v.Integer("iterations", iterations, {1, 1000000}, "number of steps of each network");
   v.Integer("batch", batch, {1, 1000000}, "examples per step");
   v.Real("learning_rate", learning_rate, {1e-6, 1}, "learning rate of Adam");
   v.Real("weight_decay", weight_decay, {0, 1}, "weight decay of Adam");
@@ -79,17 +81,24 @@ TrainedNetwork TrainVerifier(const VerifierExamples& examples, const VerifierOpt
   const at::Tensor x = all.slice(0, 0, kept);
   const at::Tensor mean = x.mean(0), scale = x.std(0, false).clamp_min(1e-3);
   const at::Tensor y = torch::tensor(at::ArrayRef<uint8_t>(examples.right)).to(torch::kFloat);
-  VerifierModule net(options.hidden);
-  Fit(net, (x - mean) / scale, y.slice(0, 0, kept), options);
-
   TrainedNetwork trained;
   VerifierNetwork& network = trained.network;
   network.mean = ToVector(mean);
   network.scale = ToVector(scale);
-  network.w1 = ToMatrix(net.first->weight);
-  network.b1 = ToVector(net.first->bias);
-  network.w2 = ToVector(net.last->weight.flatten());
-  network.b2 = net.last->bias.item<float>();
+  network.w1.resize(options.hidden, kVerifyFeatures);
+  network.b1.resize(options.hidden);
+  network.w2.resize(options.hidden);
+  const auto share = 1 / static_cast<float>(options.networks);
+  for (int n = 0; n < options.networks; ++n) {
+    const int first = options.hidden * n / options.networks;
+    const int units = options.hidden * (n + 1) / options.networks - first;
+    VerifierModule net(units);
+    Fit(net, (x - mean) / scale, y.slice(0, 0, kept), options);
+    network.w1.block(first, 0, units, kVerifyFeatures) = ToMatrix(net.first->weight);
+    network.b1.segment(first, units) = ToVector(net.first->bias);
+    network.w2.segment(first, units) = share * ToVector(net.last->weight.flatten());
+    network.b2 += share * net.last->bias.item<float>();
+  }
   std::vector<double> scores;
   for (int64_t i = kept; i < count; ++i) {
     scores.push_back(network.Logit(examples.features[i]));

@@ -11,8 +11,9 @@
 namespace pickbed::perception {
 
 struct VerifierOptions {
-  int hidden = 24;
-  int iterations = 2500;  // steps of Adam
+  int hidden = 24;        // hidden units of all networks together
+  int networks = 3;       // networks whose logits are averaged; each has its share of the units
+  int iterations = 2500;  // steps of Adam, of each network
   int batch = 1024;       // examples in a step, drawn with replacement
   double learning_rate = 0.01;
   double weight_decay = 1e-4;
@@ -38,8 +39,11 @@ struct TrainedVerifier {
   double auc = 0;  // of the network for known backgrounds
 };
 
-// Minimises the unweighted cross-entropy, so that the output estimates P(right). Throws InputError
-// if the training examples are all right or all wrong.
+// Trains several small networks with the unweighted cross-entropy, so that each output estimates
+// P(right). They differ in their first weights and in the order of the examples. The mean of their
+// logits has a smaller variance than one larger network (bagging without resampling; Breiman,
+// "Bagging Predictors", Machine Learning 1996). It is itself a network with one hidden layer.
+// Throws InputError if the training examples are all right or all wrong.
 TrainedNetwork TrainVerifier(const VerifierExamples& examples, const VerifierOptions& options,
                              uint64_t seed);
 

@@ -115,8 +115,9 @@ namespace {
 
 constexpr int kMinScenes = 4;  // with a time limit, of each kind
 
-constexpr size_t kRoomPair = 2;  // every second room has no object
-constexpr size_t kFolds = 3;     // of the cross-fitting
+constexpr int kViewsPerRoom = 1;  // many rooms teach more than many views of few rooms
+constexpr size_t kRoomPair = 2;   // every second room has no object
+constexpr size_t kFolds = 3;      // of the cross-fitting
 
 // Whether a time limit leaves no time for one more step, if it takes as long as the steps so far.
 class StepLimit {
@@ -153,8 +154,9 @@ VerifierTrainingSet VerifierScenes(LabelledViewSource& views, ObjectId object, b
     }
     for (int i = 0; i < scenes && go_on; ++i) {
       Rng rng = Rng::Derive(options.seed, i, stream);
-      const ClutterSceneRequest request{rng.Next(), options.views_per_scene, object, true,
-                                        surroundings(i)};
+      const Surroundings around = surroundings(i);
+      const int count = around == Surroundings::kNone ? options.views_per_scene : kViewsPerRoom;
+      const ClutterSceneRequest request{rng.Next(), count, object, true, around};
       for (LabelledView& view : views.ClutterScene(request)) {
         // The colour image takes a third of the memory.
         if (!color) view.frame.color = {};
@@ -273,10 +275,10 @@ class NetworkTrainer {
   VerifierExamples ExamplesWithout(size_t fold) const;
 
   // A third of the rooms is searched as if no plane had been found, so that walls and tables give
-  // candidates, too.
+  // candidates, too. The shift after each six rooms spreads these rooms over all folds.
   OrganizedCloud CloudOf(size_t view) const {
     CloudOptions options;
-    if (!is_known_ && view % 3 == 2) options.min_plane_share = 1;
+    if (!is_known_ && (view + view / 6) % 3 == 2) options.min_plane_share = 1;
     return BuildCloud(views_[view].frame,
                       is_known_ ? views_[view].background : std::optional<KnownBackground>(),
                       options);
@@ -303,7 +305,7 @@ class NetworkTrainer {
 std::vector<size_t> NetworkTrainer::SearchOrder(bool has_limit) const {
   std::vector<size_t> order(views_.size());
   std::iota(order.begin(), order.end(), size_t{0});
-  const auto per_scene = static_cast<size_t>(options_.views_per_scene);
+  const auto per_scene = static_cast<size_t>(is_known_ ? options_.views_per_scene : kViewsPerRoom);
   if (has_limit) {
     std::stable_sort(order.begin(), order.end(),
                      [&](size_t a, size_t b) { return a % per_scene < b % per_scene; });
@@ -381,11 +383,10 @@ void NetworkTrainer::TrainUnknown(Verifier& verifier) const {
   CalibrateScores(reported, verifier);
 }
 
-// All views of a scene are in one fold, with the views of the empty room that follows. So a
-// training that ran out of time after four rooms still has two folds.
+// A room is in one fold with the empty room that follows. So a training that ran out of time after
+// four rooms still has two folds.
 size_t NetworkTrainer::FoldOf(size_t view) const {
-  const size_t scene = view / static_cast<size_t>(options_.views_per_scene);
-  return scene / kRoomPair % kFolds;
+  return view / kViewsPerRoom / kRoomPair % kFolds;
 }
 
 VerifierExamples NetworkTrainer::ExamplesWithout(size_t fold) const {

@@ -38,7 +38,7 @@ struct VerifierDeadlines {
 struct VerifierTrainingOptions {
   uint64_t seed = 0;
   int clutter_scenes = 24;  // 0 = keep the network for known backgrounds that is given
-  int room_scenes = 12;     // 0 = the network for known backgrounds is used for all
+  int room_scenes = 32;  // one view of each; 0 = the network for known backgrounds is used for all
   int views_per_scene = 3;
   double calibration_share = 0.3;  // last share of the views, used for AUC and calibration
   VerifierOptions verifier;

@@ -36,6 +36,28 @@ reports_work_in_a_browser() {
   [ "$(stat -c %s flat.html)" -lt 1200000 ] || fail "a page without 3D views holds their library"
 }
 
+# The name of a run is on its page, and the names of both on the page of a comparison.
+markup_in_names_is_shown_as_text() {
+  _needs_report_page
+  local run='<img src=x onerror=window.injected=1>' object='<script>self["injected"]=1<script>'
+  mkdir objects
+  cp -r "$here/../../assets/objects/rod" "objects/$object"
+  cat >markup.yaml <<YAML
+objects: [{name: '$object', count: 3}]
+estimator: {name: oracle, noise_mm: 9}
+policy: {stop: one_pick}
+YAML
+  expect 0 "$pickbed" run markup.yaml --trials 6 --out "$run"
+  expect 0 "$pickbed" run markup.yaml --trials 6 --set estimator.noise_mm=3 --out two
+  expect 0 "$pickbed" report "$run" --out page.html
+  expect 0 "$pickbed" compare "$run" two --out both.html
+  for page in page.html both.html; do
+    grep -q "&lt;img src=x" $page || fail "the run is not named on $page"
+    grep -q "&lt;script&gt;self" $page || fail "the object is not named on $page"
+    _browser $page 1 1
+  done
+}
+
 invalid_report_requests_are_refused() {
   _needs_report_page
   refused "nowhere" "$pickbed" report nowhere

@@ -11,29 +11,6 @@
 namespace pickbed::tests {
 namespace {
 
-TEST(TrainVerifier, LearnsASeparableRuleAndRefusesOneSidedExamples) {
-  Rng rng(1);
-  VerifierExamples examples;
-  for (int i = 0; i < 1500; ++i) {
-    VerifyFeatures features;
-    for (float& feature : features) feature = static_cast<float>(rng.Normal());
-    examples.right.push_back(features[0] * features[1] > 0.1f);  // not linear
-    examples.features.push_back(features);
-  }
-  examples.held_out_from = 1200;
-  VerifierOptions options;
-  options.iterations = 400;
-  const TrainedNetwork trained = TrainVerifier(examples, options, 0);
-  EXPECT_GT(trained.auc, 0.95);
-  VerifyFeatures right{};
-  right[0] = right[1] = 1.5f;
-  EXPECT_GT(trained.network.Logit(right), 1.4);
-  right[1] = -1.5f;
-  EXPECT_LT(trained.network.Logit(right), -1.4);
-  examples.right.assign(examples.right.size(), 1);
-  EXPECT_THROW(TrainVerifier(examples, options, 0), InputError);
-}
-
 // Finds the true pose of each instance, or a shifted pose for a share of the instances.
 class Shifted : public CandidateSource {
  public:
@@ -67,6 +44,19 @@ class Shifted : public CandidateSource {
   float cue_;  // how strongly feature 0 separates right from wrong
   mutable size_t next_ = 0;
 };
+
+// A view of each of many rooms teaches more than many views of few rooms.
+TEST(VerifierScenes, RoomsHaveOneViewEach) {
+  RayCastViews views({ObjectOf(BracketMesh())});
+  VerifierTrainingOptions options;
+  options.clutter_scenes = 2;
+  options.views_per_scene = 3;
+  options.room_scenes = 4;
+  const auto set =
+      VerifierScenes(views, ObjectId{0}, /*color=*/false, options, [](double) { return true; });
+  EXPECT_EQ(set.clutter_scenes.size(), 6);
+  EXPECT_EQ(set.rooms.size(), 4);
+}
 
 // A source of only right poses cannot train a verifier, and neither can a source of only wrong
 // poses.
