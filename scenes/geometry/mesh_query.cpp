@@ -242,6 +242,7 @@ SurfaceHit MeshQuery::ClosestPoint(const Eigen::Vector3d& p) const {
   SurfaceHit best{};
   double best_squared = kInfinity;
   impl_->Closest(0, p, best, best_squared);
+  CheckInput(best.triangle >= 0, "the point of a query is not finite or too far from the mesh");
   best.normal = impl_->normals[best.triangle];
   best.distance = std::sqrt(best_squared);
   return best;

@@ -27,7 +27,8 @@ class MeshQuery {
   ~MeshQuery();
   MeshQuery(MeshQuery&&) noexcept;
 
-  // Returns the point of the surface that is nearest to `p`.
+  // Returns the point of the surface that is nearest to `p`. Throws InputError if `p` is not finite
+  // or so far away that the square of the distance is infinite.
   SurfaceHit ClosestPoint(const Eigen::Vector3d& p) const;
   // Returns whether ClosestPoint(p).distance <= distance_m, in less time.
   bool IsWithin(const Eigen::Vector3d& p, double distance_m) const;

@@ -23,11 +23,13 @@
 #include "scenes/geometry/symmetry_finder.h"
 #include "scenes/mesh_io/mesh_checks.h"
 #include "tests/scenes/geometry/degenerate_meshes.h"
+#include "tests/support/error_of.h"
 
 namespace pickbed::tests {
 namespace {
 
 using Eigen::Vector3d;
+using testing::HasSubstr;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -258,6 +260,77 @@ TEST(DegeneratePoses, AnglesAndViewsAreFiniteOrRefused) {
   EXPECT_TRUE(PointOnAxis(Pose::Identity()).allFinite());
   EXPECT_TRUE(PointOnAxis(Translation({1, 2, 3})).allFinite());
   EXPECT_TRUE(TurnAbout({}, 0).matrix().allFinite());
+}
+
+SymmetrySet SymmetriesAbout(const std::vector<ContinuousSymmetry>& axes) { return {{}, axes}; }
+
+TEST(DegenerateSymmetries, OneAxisGivenTwiceIsOneAxis) {
+  const Vector3d z = Vector3d::UnitZ(), x = Vector3d::UnitX();
+  const ContinuousSymmetry axis{z, {0.1, 0, 0}};
+  const SymmetrySet sets[] = {SymmetriesAbout({axis}), SymmetriesAbout({axis, axis}),
+                              SymmetriesAbout({axis, {-z, axis.offset_O + z}}),
+                              SymmetriesAbout({axis, {(z + 1e-9 * x).normalized(), {0.1, 0, 0}}})};
+  for (const SymmetrySet& set : sets) {
+    EXPECT_EQ(SecondAxis(set), nullptr);
+    const std::vector<Pose> turns = SymmetryTransforms(set, 12);
+    ASSERT_EQ(turns.size(), 12u);
+    for (const Pose& S : turns) {
+      EXPECT_LT((S * axis.offset_O - axis.offset_O).norm(), 1e-12);
+    }
+    EXPECT_EQ(SymmetryTransforms(set, 1).size(), 1u);
+    EXPECT_THROW(SymmetryTransforms(set, 0), std::invalid_argument);
+  }
+  EXPECT_EQ(SecondAxis({}), nullptr);
+  EXPECT_THROW(SymmetryTransforms({}, 0), std::invalid_argument);
+}
+
+TEST(DegenerateSymmetries, AxesThatDoNotMeetAreRefused) {
+  const Vector3d x = Vector3d::UnitX(), z = Vector3d::UnitZ();
+  const ContinuousSymmetry axis{z, Vector3d::Zero()};
+  const SymmetrySet sets[] = {SymmetriesAbout({axis, {z, {0.1, 0, 0}}}),    // parallel
+                              SymmetriesAbout({axis, {-z, {0, 1e-4, 0}}}),  // opposite
+                              SymmetriesAbout({axis, {x, {0, 0.1, 0}}}),    // skew
+                              SymmetriesAbout({axis, {kNaN * x, {0, 0, 0}}}),
+                              SymmetriesAbout({axis, {x, kNaN * x}})};
+  for (const SymmetrySet& set : sets) {
+    EXPECT_THAT(ErrorOf([&] { SymmetryTransforms(set, 12); }),
+                HasSubstr("two continuous symmetry axes do not meet in a point"));
+  }
+}
+
+TEST(DegenerateSymmetries, TwoAxesThatMeetAreABall) {
+  const Vector3d center(0.1, 0.2, 0.3), x = Vector3d::UnitX(), z = Vector3d::UnitZ();
+  const SymmetrySet ball = SymmetriesAbout({{z, center - 5 * z}, {x, center + 5 * x}});
+  ASSERT_NE(SecondAxis(ball), nullptr);
+  EXPECT_EQ(SecondAxis(ball)->axis_O, x);
+  for (const int steps : {1, 12}) {
+    const std::vector<Pose> turns = SymmetryTransforms(ball, steps);
+    EXPECT_GT(turns.size(), 4u);
+    for (const Pose& S : turns) {
+      EXPECT_TRUE(S.matrix().allFinite());
+      EXPECT_LT((S * center - center).norm(), 1e-9);
+    }
+  }
+}
+
+TEST(DegenerateQueries, PointsThatAreNotFiniteMeetNothing) {
+  const MeshQuery query(BoxShape({0.1, 0.2, 0.3}));
+  const Vector3d zero = Vector3d::Zero(), x = Vector3d::UnitX();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const Vector3d& p :
+       {Vector3d(kNaN, 0, 0), Vector3d(0, 0, infinity), Vector3d(1e200, 0, 0)}) {
+    EXPECT_THAT(ErrorOf([&] { query.ClosestPoint(p); }), HasSubstr("not finite or too far"));
+    EXPECT_FALSE(query.IsWithin(p, 1));
+  }
+  for (const auto& [origin, direction] :
+       {std::pair(Vector3d(kNaN, 0, 0), x), std::pair(zero, Vector3d(kNaN, 0, 0)),
+        std::pair(zero, zero), std::pair(Vector3d(0, infinity, 0), x)}) {
+    EXPECT_FALSE(query.Raycast(origin, direction, -1e9, 1e9));
+    EXPECT_TRUE(query.AllHits(origin, direction).empty());
+  }
+  EXPECT_FALSE(query.IsWithin(zero, kNaN));
+  EXPECT_FALSE(query.Raycast(zero, x, 1, -1));
+  EXPECT_FALSE(query.Raycast(zero, x, kNaN, 1));
 }
 
 TEST(DegenerateDirections, AnyCountGivesUnitVectors) {
