@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "scenes/base/error.h"
 #include "scenes/geometry/sphere_directions.h"
 #include "sim/convex/convex_hull.h"
 #include "sim/convex/solid_columns.h"
@@ -319,6 +320,7 @@ std::vector<std::vector<Vector3d>> Cutter::Run() {
   std::vector<Piece> pieces{Whole()};
   const double enough_m3 = options_.max_air_share * std::max(0.0, columns_.VolumeIn(pieces[0].box));
   Judge(pieces[0]);
+  if (!(pieces[0].hull_m3 > 0)) return {};
   while (static_cast<int>(pieces.size()) < options_.max_pieces) {
     const auto worst =
         std::max_element(pieces.begin(), pieces.end(),
@@ -341,6 +343,9 @@ std::vector<std::vector<Vector3d>> Cutter::Run() {
 
 std::vector<std::vector<Vector3d>> CutByPlanes(const TriangleMesh& mesh,
                                                const PlaneCutOptions& options) {
+  CheckInput(std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                         [](const Vector3d& p) { return p.allFinite(); }),
+             "a vertex of the mesh is not finite; repair the mesh");
   if (!(MeshBounds(mesh).size().array() > 0).all()) return {};
   return Cutter(mesh, options).Run();
 }

@@ -21,7 +21,7 @@ struct PlaneCutOptions {
 // Each cut uses the plane with the smallest sum of the two hull volumes. Returns the points that
 // span each piece: all vertices of the mesh clipped exactly to the piece's box, and the box corners
 // inside the solid. The hulls therefore cover the whole mesh. A mesh in a plane, along a line or
-// without vertices has no piece.
+// without vertices has no piece. Throws InputError if a vertex is not finite.
 std::vector<std::vector<Eigen::Vector3d>> CutByPlanes(const TriangleMesh& mesh,
                                                       const PlaneCutOptions& options);
 

@@ -3,6 +3,9 @@
 #include <LinearMath/btConvexHullComputer.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+
+#include "scenes/base/error.h"
 
 namespace pickbed::sim {
 namespace {
@@ -34,6 +37,9 @@ double ConvexHull::Volume() const {
 ConvexHull MakeConvexHull(std::span<const Eigen::Vector3d> points) {
   ConvexHull hull;
   if (points.size() < 4) return hull;
+  CheckInput(std::all_of(points.begin(), points.end(),
+                         [](const Eigen::Vector3d& p) { return p.allFinite(); }),
+             "a point of a convex hull is not finite; repair the mesh or the piece");
   // Bullet's hull works on integers, so its topology is consistent. It rounds coordinates to 1e-4
   // of the size; therefore the given coordinates are copied instead.
   btConvexHullComputer computer;

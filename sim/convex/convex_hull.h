@@ -28,7 +28,7 @@ struct ConvexHull {
 
 // Computes the hull with Bullet's btConvexHullComputer. Returns an empty hull if the points do not
 // span a volume (fewer than four, or all in one plane). A point within about 1e-4 of the hull's
-// size of a face may count as inside.
+// size of a face may count as inside. Throws InputError if a point is not finite.
 ConvexHull MakeConvexHull(std::span<const Eigen::Vector3d> points);
 
 }  // namespace pickbed::sim

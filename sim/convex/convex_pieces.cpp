@@ -18,7 +18,7 @@ namespace {
 using Eigen::Vector3d;
 
 // Increase it whenever the same mesh and options give other pieces.
-constexpr int kCacheVersion = 2;
+constexpr int kCacheVersion = 3;
 // Share of the hull's size. A vertex that is less far outside is not added.
 constexpr double kNegligible = 1e-5;
 

@@ -19,7 +19,8 @@ struct DecompositionOptions {
 };
 
 // Cuts the mesh (CutByPlanes) and takes the hull of each piece. A hull is thinned to `max_vertices`
-// by adding, one by one, the vertex that is farthest outside the hull of those added before.
+// by adding, one by one, the vertex that is farthest outside the hull of those added before. Throws
+// InputError if a vertex is not finite.
 std::vector<ConvexPiece> DecomposeConvex(const TriangleMesh& mesh,
                                          const DecompositionOptions& options = {});
 

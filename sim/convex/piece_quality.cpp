@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "scenes/geometry/mass_properties.h"
 #include "scenes/geometry/mesh_query.h"
@@ -69,7 +70,7 @@ double LargestMiss(const TriangleMesh& mesh, const std::vector<ConvexHull>& hull
   Rng rng(0);
   double largest_m = 0;
   for (const Vector3d& p : SampleSurface(mesh, kSamplesOfMesh, rng).points) {
-    double nearest_m = 1e300;
+    double nearest_m = std::numeric_limits<double>::infinity();
     for (const ConvexHull& hull : hulls) {
       nearest_m = std::min(nearest_m, DistanceOutside(hull, p));
       if (nearest_m <= largest_m) break;
@@ -86,9 +87,11 @@ PieceQuality MeasurePieces(const TriangleMesh& mesh, const std::vector<ConvexPie
   std::vector<ConvexHull> hulls;
   double volume_m3 = 0;
   for (const ConvexPiece& piece : pieces) {
-    hulls.push_back(MakeConvexHull(piece.vertices_O));
-    volume_m3 += hulls.back().Volume();
     quality.vertices += static_cast<int>(piece.vertices_O.size());
+    ConvexHull hull = MakeConvexHull(piece.vertices_O);
+    if (hull.vertices.empty()) continue;  // a flat piece covers nothing
+    volume_m3 += hull.Volume();
+    hulls.push_back(std::move(hull));
   }
   quality.pieces = static_cast<int>(pieces.size());
   quality.volume_error = volume_m3 / UniformMassProperties(mesh, 1).volume_m3 - 1;

@@ -19,7 +19,9 @@ struct PieceQuality {
 };
 
 // Measures by samples of both surfaces, which are the same for the same input. Ray crossings decide
-// what is outside the mesh, so the results for an open mesh are estimates.
+// what is outside the mesh, so the results for an open mesh are estimates. A piece without a volume
+// covers nothing; missed_m is infinite if no piece has one. Throws InputError if the mesh encloses
+// no positive volume.
 PieceQuality MeasurePieces(const TriangleMesh& mesh, const std::vector<ConvexPiece>& pieces);
 
 struct FittedPieces {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 namespace pickbed::sim {
 namespace {
@@ -22,9 +23,12 @@ std::optional<Hit> LineHit(const TriangleMesh& mesh, const Eigen::Vector3i& t, d
   std::array<Eigen::Vector3d, 3> p{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
   bool inside = false;  // crossing parity in the plane
   for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector3d &a = p[i], &b = p[(i + 1) % 3];
-    if ((a.y() > y) == (b.y() > y)) continue;
-    if (x < (b.x() - a.x()) * (y - a.y()) / (b.y() - a.y()) + a.x()) inside = !inside;
+    const Eigen::Vector3d *low = &p[i], *high = &p[(i + 1) % 3];
+    if ((low->y() > y) == (high->y() > y)) continue;
+    // Both triangles of the edge must round alike.
+    if (low->y() > high->y()) std::swap(low, high);
+    const double along = (high->x() - low->x()) * (y - low->y()) / (high->y() - low->y());
+    if (x < along + low->x()) inside = !inside;
   }
   if (!inside) return std::nullopt;
   const Eigen::Vector3d n = (p[1] - p[0]).cross(p[2] - p[0]);
@@ -40,6 +44,7 @@ SolidColumns::SolidColumns(const TriangleMesh& mesh, int resolution) {
   low_x_m_ = bounds.min.x();
   low_y_m_ = bounds.min.y();
   cell_m_ = std::max(bounds.size().x(), bounds.size().y()) / resolution;
+  if (!(cell_m_ > 0)) return;  // no column crosses a point or a line along z
   columns_x_ = static_cast<int>(bounds.size().x() / cell_m_) + 1;
   columns_y_ = static_cast<int>(bounds.size().y() / cell_m_) + 1;
   columns_.resize(static_cast<size_t>(columns_x_) * columns_y_);
