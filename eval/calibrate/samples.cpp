@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "eval/store/results_store.h"
+#include "eval/store/store_check.h"
 #include "eval/summary/result_files.h"
 #include "eval/sweep/run.h"
 #include "eval/trial/oracle_estimator.h"
@@ -76,6 +77,10 @@ CalibrationSamples ReadSamples(const std::filesystem::path& run, std::optional<i
   RequireOwnScores(run.string(), chosen, spec.estimator);
   const std::vector<TrialResult> trials =
       store.Read(chosen.first_trial, chosen.first_trial + chosen.trials);
+  for (const TrialResult& trial : trials) {
+    CheckTrial(trial, {spec.objects.size(), spec.occlusion.bands.size()},
+               (run / kStoreFile).string());
+  }
   const bool has_poses = std::any_of(trials.begin(), trials.end(), [](const TrialResult& trial) {
     return std::any_of(trial.attempts.begin(), trial.attempts.end(),
                        [](const AttemptRecord& attempt) { return !attempt.pose_free; });

@@ -10,6 +10,7 @@
 
 #include "eval/replay/replay.h"
 #include "eval/store/schema.h"
+#include "eval/store/store_check.h"
 #include "eval/summary/result_files.h"
 #include "eval/sweep/run.h"
 #include "scenes/base/error.h"
@@ -119,8 +120,11 @@ std::vector<std::string> ChangesBetween(const std::string& recorded, const std::
 
 std::string TrialList(const std::filesystem::path& run) {
   const ResultsStore store = ResultsStore::OpenToRead(run);
+  const std::vector<SettingsCounts> counts = SettingsCountsOf(store.head(), run);
   std::map<int, std::string> lines;
   store.ForEach([&](const TrialResult& trial) {
+    CheckTrial(trial, counts.at(static_cast<size_t>(trial.configuration)),
+               (run / kStoreFile).string());
     const auto successes = std::count_if(
         trial.attempts.begin(), trial.attempts.end(), [](const AttemptRecord& record) {
           return record.grasp && record.failure == FailureReason::kNone;
@@ -183,6 +187,8 @@ RecordedTrial ReadRecordedTrial(const TrialAddress& address, const std::string& 
   } catch (const InputError& error) {
     throw InputError(fmt::format("{} cannot be replayed: {}", Named(address), error.what()));
   }
+  CheckTrial(recorded.result, {recorded.objects.size(), recorded.spec.occlusion.bands.size()},
+             (address.run / kStoreFile).string());
   return recorded;
 }
 

@@ -41,7 +41,7 @@ struct RecordedTrial {
 };
 // Reads a trial. The settings come from the store. Meshes, model, gripper and sensor are read from
 // the files named there, objects from `catalog`. Throws InputError if the run or trial does not
-// exist, if the store has a later version, or if a file is missing.
+// exist, if the store has a later version, if the trial is damaged, or if a file is missing.
 RecordedTrial ReadRecordedTrial(const TrialAddress& address, const std::string& catalog);
 
 // Throws InputError if the stored settings name a program or a server that repeating a trial would
@@ -51,7 +51,7 @@ void RequireProgramsAllowed(const ScenarioSpec& spec, const std::string& results
 
 // Lists the recorded trials of a run or sweep: a header and one line per trial with its number,
 // bin, attempts, successful picks and status (finished or crashed). Throws InputError if the folder
-// has no results store.
+// has no results store, or if a trial is damaged.
 std::string TrialList(const std::filesystem::path& run);
 
 // Result of the comparison of one stage.

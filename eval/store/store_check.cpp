@@ -18,6 +18,7 @@
 #include "scenes/base/ids_format.h"
 #include "scenes/base/message_text.h"
 #include "scenes/base/random.h"
+#include "scenes/scenario/scenario_text.h"
 
 namespace pickbed::eval {
 namespace {
@@ -342,6 +343,17 @@ void CheckTiming(const TimingRow& row) {
   CheckInput(row.seconds >= 0 && std::isfinite(row.seconds),
              fmt::format("column 'seconds': {} is no duration of stage '{}'", row.seconds,
                          OneLine(row.stage)));
+}
+
+std::vector<SettingsCounts> SettingsCountsOf(const StoreHead& head,
+                                             const std::filesystem::path& folder) {
+  const std::string file = (folder / kStoreFile).string();
+  std::vector<SettingsCounts> counts;
+  for (const StoredConfiguration& configuration : head.configurations) {
+    const ScenarioSpec spec = ScenarioOfText(configuration.settings, folder, file);
+    counts.push_back({spec.objects.size(), spec.occlusion.bands.size()});
+  }
+  return counts;
 }
 
 void CheckTrial(const TrialResult& result, const SettingsCounts& settings,

@@ -2,6 +2,10 @@
 
 // Checks of a results store that was damaged, edited or cut short.
 
+#include <filesystem>
+#include <string>
+#include <vector>
+
 #include "eval/store/schema.h"
 #include "eval/store/sqlite.h"
 #include "eval/trial/trial_records.h"
@@ -33,6 +37,11 @@ struct SettingsCounts {
   size_t objects = 0;
   size_t bands = 0;  // of the visible fraction, in an occlusion sweep
 };
+
+// Returns the counts of each configuration of a store in `folder`, by its number. Throws InputError
+// that names the store if its settings cannot be read.
+std::vector<SettingsCounts> SettingsCountsOf(const StoreHead& head,
+                                             const std::filesystem::path& folder);
 
 // Checks that a trial agrees with its settings and with itself: the objects and bands that it names
 // exist, each attempt has a grasp or a failure, and as many attempts succeeded as instances were

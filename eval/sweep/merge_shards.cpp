@@ -103,11 +103,7 @@ int EndTrial(const StoreHead& head, const std::vector<int>& finished) {
 // Reads all values. A fault that is found later, in the merged store, would not name this one.
 void RequireSoundTrials(const ResultsStore& store, const std::filesystem::path& folder) {
   const std::string file = (folder / kStoreFile).string();
-  std::vector<SettingsCounts> counts;
-  for (const StoredConfiguration& configuration : store.head().configurations) {
-    const ScenarioSpec spec = ScenarioOfText(configuration.settings, folder, file);
-    counts.push_back({spec.objects.size(), spec.occlusion.bands.size()});
-  }
+  const std::vector<SettingsCounts> counts = SettingsCountsOf(store.head(), folder);
   store.ForEach([&](const TrialResult& trial) {
     CheckTrial(trial, counts.at(static_cast<size_t>(trial.configuration)), file);
   });

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "eval/store/results_store.h"
+#include "eval/store/store_check.h"
 #include "eval/summary/result_files.h"
 #include "eval/sweep/run.h"
 #include "eval/tolerance/pick_forecast.h"
@@ -28,6 +29,10 @@ std::vector<JudgedPick> PicksOfRun(const std::filesystem::path& folder, const st
                          "now; repeat the run",
                          folder.string()));
   const std::vector<TrialResult> trials = store.ReadAll();
+  for (const TrialResult& trial : trials) {
+    CheckTrial(trial, {scenario.objects.size(), scenario.spec.occlusion.bands.size()},
+               (folder / kStoreFile).string());
+  }
   std::vector<JudgedPick> picks;
   for (size_t i = 0; i < scenario.objects.size(); ++i) {
     if (scenario.objects[i]->name == object) picks = JudgedPicksOf(trials, ObjectId(i));

@@ -7,6 +7,7 @@
 #include "eval/calibrate/report.h"
 #include "eval/calibrate/samples.h"
 #include "eval/store/results_store.h"
+#include "eval/store/sqlite.h"
 #include "scenes/base/files.h"
 #include "tests/support/error_of.h"
 #include "tests/support/stub_trials.h"
@@ -143,7 +144,7 @@ class CalibrateRun : public testing::Test {
     const std::filesystem::path folder = folder_.path() / std::to_string(++count_);
     StoredConfiguration configuration;
     configuration.trials = 30;
-    configuration.settings = "seed: 1\nobjects: [{name: rod}]\n" + settings;
+    configuration.settings = "seed: 1\nobjects: [{name: rod}, {name: gear}]\n" + settings;
     configuration.identity = configuration.settings + identity_end;
     ResultsStore store(folder, StoreHead{configuration.identity, {configuration}});
     for (TrialResult& trial : ScoredTrials(30, true)) {
@@ -196,6 +197,29 @@ TEST_F(CalibrateRun, RunsWithoutScoresOfAnEstimatorAreNamed) {
   EXPECT_THAT(ErrorOfRun(folder_.path() / "none"), HasSubstr("has no results.sqlite"));
 }
 
+TEST_F(CalibrateRun, DamagedTrialsAreRefusedWithTheirTable) {
+  struct {
+    std::string edit, message;
+  } const cases[] = {
+      {"UPDATE trials SET instances_cleared = instances_cleared + 1 WHERE trial = 3",
+       "table 'trials', trial 3: "},
+      {"UPDATE attempts SET band = 77 WHERE trial = 3 AND attempt = 1",
+       "table 'attempts', trial 3: the settings have no band 77"},
+      {"UPDATE hypotheses SET object = 2 WHERE trial = 3",
+       "table 'hypotheses', trial 3: the settings have no object 2"},
+      {"UPDATE instance_outcomes SET object = 9 WHERE trial = 3",
+       "table 'instance_outcomes', trial 3: the settings have no object 9"},
+  };
+  for (const auto& test : cases) {
+    const std::filesystem::path folder = Store("");
+    EXPECT_EQ(ErrorOf([&] { ReadSamples(folder); }), "no error");
+    Database(folder / kStoreFile, Database::Mode::kExisting).Execute(test.edit);
+    const std::string error = ErrorOfRun(folder);
+    EXPECT_THAT(error, HasSubstr((folder / kStoreFile).string() + ": " + test.message));
+    EXPECT_THAT(error, HasSubstr("restore the file from a copy"));
+  }
+}
+
 TEST_F(CalibrateRun, ASweepNeedsTheNumberOfAConfiguration) {
   StoreHead head{"a\nb", {}};
   for (const int number : {0, 1}) {
@@ -203,7 +227,7 @@ TEST_F(CalibrateRun, ASweepNeedsTheNumberOfAConfiguration) {
     configuration.number = number;
     configuration.first_trial = 30 * number;
     configuration.trials = 30;
-    configuration.settings = "objects: [{name: rod}]\n";
+    configuration.settings = "objects: [{name: rod}, {name: gear}]\n";
     configuration.identity = number == 0 ? "a" : "b";
   }
   {

@@ -254,6 +254,31 @@ TEST_F(ReplayTest, ListsFinishedAndCrashedTrials) {
   EXPECT_THAT(ErrorOf([&] { TrialList(folder_.path()); }), HasSubstr("has no results.sqlite"));
 }
 
+TEST_F(ReplayTest, DamagedTrialsAreRefusedWithTheirTable) {
+  struct {
+    std::string edit, message;
+  } const cases[] = {
+      {"UPDATE trials SET instances_cleared = 7 WHERE trial = 1", "table 'trials', trial 1: "},
+      {"UPDATE attempts SET band = 9 WHERE trial = 1",
+       "table 'attempts', trial 1: the settings have no band 9"},
+      {"UPDATE instances SET object = 1 WHERE trial = 1",
+       "table 'instances', trial 1: the settings have no object 1"},
+  };
+  const std::string list = TrialList(run_);
+  for (const auto& test : cases) {
+    Keep();
+    Sql(test.edit);
+    const std::string message = (run_ / kStoreFile).string() + ": " + test.message;
+    for (const std::string& error : {RefusalOf({run_, 1}), ErrorOf([&] { TrialList(run_); })}) {
+      EXPECT_THAT(error, testing::StartsWith(message));
+      EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+    }
+    EXPECT_EQ(RefusalOf({run_, 0}), "no error") << "this trial is sound";
+    Restore();
+  }
+  EXPECT_EQ(TrialList(run_), list);
+}
+
 TEST(ParseTrialAddress, RequiresAFolderAndATrialNumber) {
   const TrialAddress address = ParseTrialAddress("results/a#b#12");
   EXPECT_EQ(address.run, "results/a#b");
