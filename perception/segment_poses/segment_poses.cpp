@@ -8,7 +8,7 @@
 
 #include "perception/completion/completion_file.h"
 #include "perception/completion/segment_window.h"
-#include "scenes/base/cache_lock.h"
+#include "scenes/base/cache_file.h"
 #include "scenes/base/files.h"
 
 namespace pickbed::perception {
@@ -36,19 +36,12 @@ VolumeBook BookOf(const SegmentPoseSetup& setup, ObjectId object, ShapeCompleter
   };
   if (setup.cache_dir.empty()) return make();
   const uint64_t key = BookKey(options, model, setup.views.IsolatedSettings());
-  const std::filesystem::path file =
-      setup.cache_dir / fmt::format("volumes-{}-{:016x}.bin", model.name, key);
-  std::optional<VolumeBook> cached = ReadVolumeBook(file, key);
-  if (!cached) {
-    const CacheLock lock(file);
-    cached = ReadVolumeBook(file, key);
-    if (!cached) {
-      WriteVolumeBook(file, make(), key);
+  const auto read = [key](const std::string& content) { return VolumeBookFromBytes(content, key); };
+  const auto write = [key](const VolumeBook& book) { return VolumeBookToBytes(book, key); };
+  return Cached(
+      setup.cache_dir / fmt::format("volumes-v2-{}-{:016x}.bin", model.name, key), read,
       // The file has rounded values. The first use must give the same poses as later ones.
-      cached = ReadVolumeBook(file, key);
-    }
-  }
-  return cached ? *std::move(cached) : make();
+      [&] { return read(write(make())).value(); }, write);
 }
 
 }  // namespace

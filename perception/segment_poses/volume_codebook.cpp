@@ -8,15 +8,12 @@
 #include "perception/features/labelled_patches.h"
 #include "scenes/base/byte_blocks.h"
 #include "scenes/base/error.h"
-#include "scenes/base/files.h"
 
 namespace pickbed::perception {
 namespace {
 
 constexpr int kBlock = 64;         // views rendered and completed together
 constexpr float kBehind_m = 0.3f;  // background behind the object
-constexpr std::string_view kMagic = "PICKVOLB";
-constexpr uint64_t kVersion = 1;
 
 using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -140,7 +137,7 @@ std::vector<Pose> NearestVolumes(const VolumeBook& book, const CompletedVolume& 
   return X_FO;
 }
 
-void WriteVolumeBook(const std::filesystem::path& file, const VolumeBook& book, uint64_t key) {
+std::string VolumeBookToBytes(const VolumeBook& book, uint64_t key) {
   std::vector<uint8_t> bytes;
   for (const float value : book.values) {
     bytes.push_back(static_cast<uint8_t>(std::lround(255 * std::clamp(value, 0.0f, 1.0f))));
@@ -155,34 +152,33 @@ void WriteVolumeBook(const std::filesystem::path& file, const VolumeBook& book, 
   writer.Put(&book.side_m, sizeof book.side_m);
   writer.Put(bytes);
   writer.Put(poses);
-  WriteFileAtomically(file, writer.Bytes(kMagic, kVersion));
+  return writer.body();
 }
 
-std::optional<VolumeBook> ReadVolumeBook(const std::filesystem::path& file, uint64_t key) {
-  if (!std::filesystem::exists(file)) return std::nullopt;
-  const std::string content = ReadFileBytes(file);
-  try {
-    BlockReader reader(content, kMagic, kVersion, "a codebook of volumes");
-    if (reader.TakeAll<uint64_t>() != std::vector{key}) return std::nullopt;
-    VolumeBook book;
-    const std::vector<double> sides_m = reader.TakeAll<double>();
-    CheckInput(sides_m.size() == 1, "its head is damaged");
-    book.side_m = sides_m[0];
-    for (const uint8_t value : reader.TakeAll<uint8_t>()) {
-      book.values.push_back(static_cast<float>(value) / 255);
-    }
-    const std::vector<double> poses = reader.TakeAll<double>();
-    reader.RequireEnd();
-    for (size_t i = 0; i + 16 <= poses.size(); i += 16) {
-      Pose X_FO;
-      X_FO.matrix() = Eigen::Map<const Eigen::Matrix4d>(poses.data() + i);
-      book.X_FO.push_back(X_FO);
-    }
-    if (book.values.size() != book.size() * kDescriptorValues) return std::nullopt;
-    return book;
-  } catch (const InputError&) {
-    return std::nullopt;
+std::optional<VolumeBook> VolumeBookFromBytes(std::string_view content, uint64_t key) {
+  constexpr size_t kValuesOfPose = 16;
+  BlockReader reader(content);
+  const std::vector<uint64_t> keys = reader.TakeAll<uint64_t>();
+  const std::vector<double> sides_m = reader.TakeAll<double>();
+  CheckInput(keys.size() == 1 && sides_m.size() == 1 && sides_m[0] > 0, "its head is damaged");
+  if (keys[0] != key) return std::nullopt;
+  VolumeBook book;
+  book.side_m = sides_m[0];
+  for (const uint8_t value : reader.TakeAll<uint8_t>()) {
+    book.values.push_back(static_cast<float>(value) / 255);
   }
+  const std::vector<double> poses = reader.TakeAll<double>();
+  reader.RequireEnd();
+  const size_t entries = poses.size() / kValuesOfPose;
+  CheckInput(
+      poses.size() == entries * kValuesOfPose && book.values.size() == entries * kDescriptorValues,
+      "its descriptors and poses do not fit together");
+  for (size_t entry = 0; entry < entries; ++entry) {
+    Pose& X_FO = book.X_FO.emplace_back();
+    X_FO.matrix() = Eigen::Map<const Eigen::Matrix4d>(poses.data() + entry * kValuesOfPose);
+    CheckInput(X_FO.matrix().allFinite(), "a pose is not finite");
+  }
+  return book;
 }
 
 }  // namespace pickbed::perception

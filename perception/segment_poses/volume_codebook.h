@@ -6,9 +6,10 @@
 // Artefacts of the completion are then the same in query and codebook. Compared with true shapes,
 // they would cost more than the completion gains.
 
-#include <filesystem>
 #include <functional>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "perception/completion/shape_completer.h"
@@ -52,9 +53,11 @@ inline constexpr int kDescriptorTurns = 16;
 std::vector<Pose> NearestVolumes(const VolumeBook& book, const CompletedVolume& query,
                                  const Pose& X_CF, int count);
 
-// Cache file. `key` is a hash of everything that the entries depend on. ReadVolumeBook() returns
-// nothing if the file is absent, damaged, of another version or has another key.
-void WriteVolumeBook(const std::filesystem::path& file, const VolumeBook& book, uint64_t key);
-std::optional<VolumeBook> ReadVolumeBook(const std::filesystem::path& file, uint64_t key);
+// Returns the content of the cache file (scenes/base/cache_file.h). `key` is a hash of everything
+// that the entries depend on. The values are rounded to 8 bits.
+std::string VolumeBookToBytes(const VolumeBook& book, uint64_t key);
+// Returns the book of a content; nullopt if it was made for another key. Throws InputError if the
+// content is cut short, its lists have sizes that do not fit together, or a pose is none.
+std::optional<VolumeBook> VolumeBookFromBytes(std::string_view content, uint64_t key);
 
 }  // namespace pickbed::perception

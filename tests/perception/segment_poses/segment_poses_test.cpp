@@ -3,16 +3,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "perception/completion/segment_window.h"
 #include "perception/features/labelled_patches.h"
 #include "perception/model/pose_distance.h"
 #include "perception/segment_poses/volume_codebook.h"
 #include "perception/segment_poses/volume_descriptor.h"
 #include "scenes/base/byte_blocks.h"
+#include "scenes/base/cache_file.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "tests/perception/completion/solid_views.h"
-#include "tests/support/block_file.h"
 #include "tests/support/error_of.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
@@ -124,32 +126,33 @@ TEST(VolumeCodebook, FindsThePoseOfNewViews) {
 }
 
 TEST(VolumeCodebook, IsReadAsWrittenAndNotWithAnotherKey) {
-  const TemporaryFolder folder;
-  const std::filesystem::path file = folder.path() / "book.bin";
   VolumeBook book;
   book.side_m = 0.12;
   book.values.assign(2 * kDescriptorValues, 0);
   book.values[3] = 1;
   book.X_FO = {Pose::Identity(), Translation({1, 2, 3})};
-  WriteVolumeBook(file, book, 5);
-  const std::optional<VolumeBook> read = ReadVolumeBook(file, 5);
+  const std::string bytes = VolumeBookToBytes(book, 5);
+  const std::optional<VolumeBook> read = VolumeBookFromBytes(bytes, 5);
   ASSERT_TRUE(read);
   EXPECT_EQ(read->values, book.values);
   EXPECT_EQ(read->side_m, book.side_m);
   EXPECT_EQ(read->X_FO[1].matrix(), book.X_FO[1].matrix());
-  EXPECT_FALSE(ReadVolumeBook(file, 6));
-  std::string bytes = ReadFileBytes(file);
-  WriteFileAtomically(file, WithRightHash(bytes + "x"));
-  EXPECT_FALSE(ReadVolumeBook(file, 5));
-  BlockReader reader(bytes, "PICKVOLB", 1, "a codebook");
+  EXPECT_FALSE(VolumeBookFromBytes(bytes, 6));
+  const auto fault_of = [](const std::string& content) {
+    return ErrorOf([&] { VolumeBookFromBytes(content, 5); });
+  };
+  EXPECT_THAT(fault_of(bytes + "x"), HasSubstr("it is longer than its blocks"));
+  EXPECT_THAT(fault_of(bytes.substr(0, bytes.size() - 8)), HasSubstr("cut short"));
+  BlockReader reader(bytes);
   BlockWriter without_side;
   without_side.Put(reader.Take());
   without_side.Put("");
-  WriteFileAtomically(file, without_side.Bytes("PICKVOLB", 1));
-  EXPECT_FALSE(ReadVolumeBook(file, 5));
-  bytes[bytes.size() / 2] ^= 1;
-  WriteFileAtomically(file, bytes);
-  EXPECT_FALSE(ReadVolumeBook(file, 5));
+  EXPECT_THAT(fault_of(without_side.body()), HasSubstr("its head is damaged"));
+  book.X_FO.pop_back();
+  EXPECT_THAT(fault_of(VolumeBookToBytes(book, 5)), HasSubstr("do not fit together"));
+  book.values.resize(kDescriptorValues);
+  book.X_FO[0].translation().x() = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(fault_of(VolumeBookToBytes(book, 5)), HasSubstr("a pose is not finite"));
 }
 
 // A sphere before a wall, and another one that hides a part of it.
@@ -210,6 +213,30 @@ TEST(SegmentPoses, ASecondUseReadsTheCacheAndGivesTheSamePoses) {
   for (size_t i = 0; i < first[0].size(); ++i) {
     EXPECT_EQ(first[0][i].X_CO.matrix(), second[0][i].X_CO.matrix());
   }
+}
+
+TEST(SegmentPoses, ADamagedCodebookIsReportedAndMadeAgain) {
+  RayCastViews views = Brackets();
+  const TemporaryFolder folder;
+  SegmentPoseOptions options = SkirtOptions();
+  options.book.views = 4;
+  const SegmentPoses first({views, folder.path(), {}}, options);
+  const std::filesystem::path file = std::filesystem::directory_iterator(folder.path())->path();
+  const std::string bytes = ReadFileBytes(file);
+  std::string flipped = bytes;
+  flipped[bytes.size() / 2] ^= 0x40;
+  std::vector<std::string> lines;
+  SetCacheListener([&](const std::string& line) { lines.push_back(line); });
+  for (const std::string& damaged : {flipped, bytes.substr(0, bytes.size() / 2), std::string()}) {
+    WriteFileAtomically(file, damaged);
+    lines.clear();
+    const SegmentPoses again({views, folder.path(), {}}, options);
+    EXPECT_EQ(ReadFileBytes(file), bytes);
+    ASSERT_FALSE(lines.empty());
+    EXPECT_THAT(lines.front(), HasSubstr(file.string()));
+    EXPECT_THAT(lines.front(), HasSubstr("it is made again"));
+  }
+  SetCacheListener({});
 }
 
 TEST(SegmentPoses, RefusesUnknownMethodsAndModelsOfAnotherVersion) {
