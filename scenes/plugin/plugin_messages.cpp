@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "scenes/base/cache_lock.h"
+#include "scenes/base/cache_file.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/mesh_io/mesh_io.h"
@@ -61,8 +61,21 @@ void Elements(std::string_view dtype, const std::vector<Element>& elements,
   message.Array(dtype, shape, std::as_bytes(std::span(elements)));
 }
 
-// Returns the file of the mesh in metres. The name contains the hash, so that the file is never
-// changed.
+// Returns a hash of the files of a mesh: the OBJ, its material and its texture.
+std::string HashOfMeshFiles(const std::filesystem::path& mesh) {
+  uint64_t hash = 0;
+  for (const char* extension : {".obj", ".mtl", ".png"}) {
+    std::filesystem::path file = mesh;
+    file.replace_extension(extension);
+    if (!IsRegularFile(file)) continue;
+    const std::string bytes = ReadFileBytes(file);
+    hash = HashBytes(bytes.data(), bytes.size(), hash);
+  }
+  return fmt::format("{:016x}", hash);
+}
+
+// Returns the file of the mesh in metres. The name contains the hash, so that the content is always
+// the same. The last file of its folder has a hash of the others.
 std::filesystem::path MeshFile(const ObjectModel& object, const std::filesystem::path& folder) {
   const TriangleMesh& mesh = object.mesh_O;
   uint64_t hash = HashBytes(mesh.colors.data(), mesh.colors.size() * sizeof(Rgb8), MeshHash(mesh));
@@ -70,16 +83,15 @@ std::filesystem::path MeshFile(const ObjectModel& object, const std::filesystem:
   hash = HashBytes(&mesh.base_color, sizeof(Rgb8), hash);
   const std::filesystem::path own = folder / fmt::format("{:016x}", hash);
   const std::filesystem::path file = own / "mesh.obj";
-  if (std::filesystem::exists(file)) return file;
-  MakeFolder(folder);
-  const CacheLock lock(own);
-  if (std::filesystem::exists(file)) return file;
-  // The mesh has files beside it, so that the whole folder is moved into place.
-  std::filesystem::path made = own;
-  made += ".made";
-  MakeFolder(made);
-  SaveObj(made / file.filename(), mesh);
-  std::filesystem::rename(made, own);
+  const auto read = [&](const std::string& stored) {
+    CheckInput(stored == HashOfMeshFiles(file), "the mesh beside it is damaged");
+    return stored;
+  };
+  const auto make = [&] {
+    SaveObj(file, mesh);
+    return HashOfMeshFiles(file);
+  };
+  Cached(own / "mesh.hash", read, make, [](const std::string& made) { return made; });
   return file;
 }
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "scenes/base/cache_file.h"
+#include "scenes/base/files.h"
 #include "scenes/base/random.h"
 #include "scenes/mesh_io/mesh_io.h"
 #include "tests/support/temporary_folder.h"
@@ -13,6 +15,7 @@
 namespace pickbed::tests {
 namespace {
 
+namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -176,6 +179,36 @@ TEST(PluginPoses, AnswersOfAnotherFormAreNamed) {
   MessageWriter empty;
   empty.BeginMap(0);
   EXPECT_THAT(fault(Received(empty)), HasSubstr("has no 'poses'"));
+}
+
+// A plug-in would work with another shape than the one that is simulated.
+TEST(PluginSetup, ADamagedMeshFileIsReportedAndWrittenAgain) {
+  const TemporaryFolder folder;
+  const auto mesh_of_setup = [&] {
+    MessageWriter message;
+    WriteSetup({Objects()}, folder.path(), message);
+    return fs::path(Received(message).At("objects").Items("")[0].At("mesh").Text(""));
+  };
+  const fs::path file = mesh_of_setup();
+  const std::string whole = ReadFileBytes(file);
+  std::vector<std::string> lines;
+  SetCacheListener([&](const std::string& line) { lines.push_back(line); });
+  const auto repaired = [&] {
+    lines.clear();
+    EXPECT_EQ(mesh_of_setup(), file);
+    EXPECT_EQ(ReadFileBytes(file), whole);
+    ASSERT_FALSE(lines.empty());
+    EXPECT_THAT(lines.front(), HasSubstr(file.parent_path().string()));
+    EXPECT_THAT(lines.front(), HasSubstr("it is made again"));
+    lines.clear();
+    mesh_of_setup();
+    EXPECT_THAT(lines, testing::IsEmpty()) << "a repaired mesh is sound";
+  };
+  WriteFileAtomically(file, whole.substr(0, whole.size() / 2));
+  repaired();
+  fs::remove(file);
+  repaired();
+  SetCacheListener({});
 }
 
 TEST(PluginSetup, ContainsTheMeshAsFileAndAsArrays) {
