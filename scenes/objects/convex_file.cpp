@@ -2,18 +2,37 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <cmath>
 #include <locale>
 #include <sstream>
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 #include "scenes/mesh_io/mesh_io.h"
 
 namespace pickbed::scenes {
 namespace {
 
-constexpr size_t kFewestVertices = 4;  // fewer cannot enclose a volume
+constexpr size_t kFewestVertices = 4;   // fewer cannot enclose a volume
+constexpr double kMaxCoordinate = 1e7;  // in the unit of the file, as of a mesh
+// Share of its size. The hull of a thinner piece has no volume, see sim/convex/convex_hull.h.
+constexpr double kThinnest = 2e-4;
+
+// Returns whether the points are not all near one plane.
+bool SpanAVolume(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : points) mean += p / static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& p : points) spread += (p - mean) * (p - mean).transpose();
+  const Eigen::Matrix3d axes =
+      Eigen::JacobiSVD<Eigen::Matrix3d>(spread, Eigen::ComputeFullU).matrixU();
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : points) box.extend(axes.transpose() * (p - mean));
+  return box.sizes().minCoeff() > kThinnest * box.sizes().maxCoeff();
+}
 
 }  // namespace
 
@@ -29,6 +48,8 @@ std::vector<ConvexPiece> LoadConvexPieces(const std::filesystem::path& path,
   const auto check_last_piece = [&] {
     check(pieces.empty() || pieces.back().vertices_O.size() >= kFewestVertices,
           fmt::format("a convex piece needs at least {} vertices", kFewestVertices));
+    check(pieces.empty() || SpanAVolume(pieces.back().vertices_O),
+          "the vertices of a convex piece are in one plane");
   };
   for (std::string line; std::getline(lines, line);) {
     ++number;
@@ -43,6 +64,12 @@ std::vector<ConvexPiece> LoadConvexPieces(const std::filesystem::path& path,
       Eigen::Vector3d v;
       words >> v.x() >> v.y() >> v.z();
       check(!words.fail() && v.allFinite(), "'v' needs three numbers");
+      std::string rest;
+      words >> rest;
+      check(rest.empty() || rest.front() == '#',
+            fmt::format("'{}' follows the three numbers of 'v'", OneLine(rest)));
+      check(v.cwiseAbs().maxCoeff() < kMaxCoordinate,
+            fmt::format("a coordinate is {:g} or more", kMaxCoordinate));
       check(!pieces.empty(), "a vertex precedes the first 'o' line");
       pieces.back().vertices_O.push_back(scale * v);
     }

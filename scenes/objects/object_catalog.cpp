@@ -219,6 +219,22 @@ std::shared_ptr<ObjectModel> MakeModel(const std::string& name, const fs::path& 
   return model;
 }
 
+// Hulls are larger than the object, but not by much.
+void RequireAtMesh(const ObjectModel& model, const fs::path& convex_file) {
+  const Bounds bounds = MeshBounds(model.mesh_O);
+  const double margin_m = 0.5 * model.diameter_m;
+  for (const ConvexPiece& piece : model.convex_pieces_O) {
+    for (const Eigen::Vector3d& p_O : piece.vertices_O) {
+      const double outside_m =
+          std::max((p_O - bounds.max).maxCoeff(), (bounds.min - p_O).maxCoeff());
+      CheckInput(outside_m <= margin_m,
+                 fmt::format("{}: a vertex is {:.3g} m outside of the mesh; the file must have the "
+                             "frame and the unit of the mesh",
+                             convex_file.string(), outside_m));
+    }
+  }
+}
+
 }  // namespace
 
 void VisitObjectSettings(SettingsVisitor& v) { ObjectSettings().Visit(v); }
@@ -281,6 +297,7 @@ std::shared_ptr<const ObjectModel> ObjectCatalog::Load(const std::string& name) 
   }
   if (!settings.convex.empty()) {
     model->convex_pieces_O = LoadConvexPieces(folder / settings.convex, settings.unit);
+    RequireAtMesh(*model, folder / settings.convex);
   }
   return model;
 }

@@ -35,6 +35,10 @@ TEST(LoadConvexPieces, ErrorsHoldTheFaultyLine) {
       {"v 0 0 0\n", "c.obj:1: a vertex precedes"},
       {"o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\no b\n", "c.obj:5: a convex piece needs at least 4"},
       {"o a\n", "a convex piece needs at least 4"},
+      {"o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n", "c.obj:5: the vertices of a convex piece are"},
+      {"o a\nv 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\no b\n", "c.obj:6: the vertices of a convex"},
+      {"o a\nv 1 0 0 x\n", "c.obj:2: 'x' follows the three numbers"},
+      {"o a\nv 1e300 0 0\n", "c.obj:2: a coordinate is 1e+07 or more"},
       {"# nothing\n", "has no 'o' group"},
   };
   for (const auto& c : cases) {
