@@ -42,9 +42,12 @@ std::optional<std::vector<double>> NumbersIn(std::string_view text) {
 void AddNumbers(const SettingsTree& node, std::vector<double>& numbers) {
   if (node.kind == SettingsTree::Kind::kList) {
     for (const SettingsTree& item : node.items) AddNumbers(item, numbers);
-  } else if (const auto found = NumbersIn(node.text)) {
-    numbers.insert(numbers.end(), found->begin(), found->end());
+    return;
   }
+  if (node.text == "~" || node.text == "null") return;
+  const auto found = NumbersIn(node.text);
+  CheckInput(found.has_value(), fmt::format("{}: '{}' is no number", node.place, node.text));
+  numbers.insert(numbers.end(), found->begin(), found->end());
 }
 
 // Returns the numbers of the first of these keys that the map has. A map with `data`, as ROS and
@@ -62,9 +65,22 @@ std::vector<double> NumbersOf(const SettingsTree& map, const std::vector<const c
   return numbers;
 }
 
-std::optional<double> NumberOf(const SettingsTree& map, const std::vector<const char*>& keys) {
+std::optional<double> NumberOf(const SettingsTree& map, const std::vector<const char*>& keys,
+                               const std::string& name) {
   const std::vector<double> numbers = NumbersOf(map, keys);
-  return numbers.size() == 1 ? std::optional(numbers.front()) : std::nullopt;
+  if (numbers.empty()) return std::nullopt;
+  CheckInput(numbers.size() == 1,
+             fmt::format("{}: {} has {} numbers; give one", name, keys[0], numbers.size()));
+  return numbers.front();
+}
+
+// Returns the width or height of the image; 0 if the file has none.
+int SizeOf(const SettingsTree& map, const std::vector<const char*>& keys, const std::string& name) {
+  constexpr double kMaxSide_px = 1e6;
+  const double size = NumberOf(map, keys, name).value_or(0);
+  CheckInput(size >= 0 && size <= kMaxSide_px && size == std::floor(size),
+             fmt::format("{}: {} = {}: give the whole number of pixels", name, keys[0], size));
+  return static_cast<int>(size);
 }
 
 void TakeMatrix(const std::vector<double>& k, const std::string& name, GivenIntrinsics& given) {
@@ -74,7 +90,8 @@ void TakeMatrix(const std::vector<double>& k, const std::string& name, GivenIntr
   given.cx = by_columns ? k[6] : k[2];
   given.cy = by_columns ? k[7] : k[5];
   const double skew = by_columns ? k[3] : k[1];
-  CheckInput(skew == 0 && k[8] == 1,
+  const double rest = by_columns ? 0 : std::max(std::abs(k[6]), std::abs(k[7]));
+  CheckInput(skew == 0 && k[3 - 2 * by_columns] == 0 && rest == 0 && k[8] == 1,
              name + ": the camera matrix is not fx 0 cx 0 fy cy 0 0 1; give such a matrix");
 }
 
@@ -85,8 +102,8 @@ GivenIntrinsics FromMap(const SettingsTree& map, const std::string& name) {
   GivenIntrinsics given;
   const std::vector<double> matrix =
       NumbersOf(map, {"cam_K", "K", "k", "camera_matrix", "intrinsic_matrix"});
-  const auto fx = NumberOf(map, {"fx"}), fy = NumberOf(map, {"fy"});
-  const auto cx = NumberOf(map, {"cx", "ppx"}), cy = NumberOf(map, {"cy", "ppy"});
+  const auto fx = NumberOf(map, {"fx"}, name), fy = NumberOf(map, {"fy"}, name);
+  const auto cx = NumberOf(map, {"cx", "ppx"}, name), cy = NumberOf(map, {"cy", "ppy"}, name);
   if (matrix.size() == kMatrixEntries) {
     TakeMatrix(matrix, name, given);
   } else {
@@ -103,9 +120,12 @@ GivenIntrinsics FromMap(const SettingsTree& map, const std::string& name) {
     given.cx = *cx;
     given.cy = *cy;
   }
-  given.width = static_cast<int>(NumberOf(map, {"width", "image_width"}).value_or(0));
-  given.height = static_cast<int>(NumberOf(map, {"height", "image_height"}).value_or(0));
-  given.depth_scale_mm = NumberOf(map, {"depth_scale"});
+  given.width = SizeOf(map, {"width", "image_width"}, name);
+  given.height = SizeOf(map, {"height", "image_height"}, name);
+  given.depth_scale_mm = NumberOf(map, {"depth_scale"}, name);
+  CheckInput(!given.depth_scale_mm || *given.depth_scale_mm > 0,
+             fmt::format("{}: depth_scale is {:g}; give the positive length of one unit", name,
+                         given.depth_scale_mm.value_or(0)));
   if (given.depth_scale_mm && *given.depth_scale_mm < kMinScale_mm) *given.depth_scale_mm *= 1e3;
   const std::vector<double> distortion =
       NumbersOf(map, {"D", "distortion_coefficients", "dist_coeffs", "coeffs"});

@@ -55,6 +55,18 @@ TEST(ReadIntrinsics, RefusesOtherTextsAndOtherImages) {
   EXPECT_THAT(error(R"({"0": {"cam_K": [10, 0, 3, 0, 11, 4, 0, 0, 1]}})"),
               HasSubstr("several images"));
   EXPECT_THAT(error(R"({"K": [10, 5, 3, 0, 11, 4, 0, 0, 1]})"), HasSubstr("fx 0 cx"));
+  EXPECT_THAT(error(R"({"K": [10, 0, 3, 1, 11, 4, 0, 0, 1]})"), HasSubstr("fx 0 cx"));
+  EXPECT_THAT(error(R"({"K": [10, 0, 3, 0, 11, 4, 0, 2, 1]})"), HasSubstr("fx 0 cx"));
+  EXPECT_THAT(error(R"({"K": [10, "a", 0, 3, 0, 11, 4, 0, 0, 1]})"), HasSubstr("is no number"));
+  const std::string four = R"({"fx": 10, "fy": 11, "cx": 3, "cy": 4, )";
+  EXPECT_THAT(error(four + R"("coeffs": [0, ".", 0]})"), HasSubstr("k.json:1: "));
+  EXPECT_THAT(error(four + R"("depth_scale": -1})"), HasSubstr("depth_scale is -1; give"));
+  EXPECT_THAT(error(four + R"("depth_scale": 0})"), HasSubstr("depth_scale is 0; give"));
+  EXPECT_THAT(error(four + R"("depth_scale": 0.  001})"), HasSubstr("depth_scale has 2 numbers"));
+  for (const char* width : {"1e300", "-6", "6.5"}) {
+    EXPECT_THAT(error(four + "\"width\": " + width + "}"), HasSubstr("whole number of pixels"));
+  }
+  EXPECT_EQ(error(four + R"("width": null, "depth_scale": null})"), "no error");
   const GivenIntrinsics k{10, 11, 3, 4, 6, 8, {}, false};
   EXPECT_THAT(ErrorOf([&] { k.ForImage(12, 16, "k"); }), HasSubstr("for 6x8 px but"));
   const GivenIntrinsics of_larger{10, 11, 30, 4, 0, 0, {}, false};
