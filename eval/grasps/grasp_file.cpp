@@ -47,6 +47,8 @@ double NumberIn(const std::string& cell, const std::string& column, const std::s
 // `confidence` or, without it, `robust`.
 GraspFile ReadGraspsCsv(const std::string& text, const std::string& name) {
   constexpr double kMaxError = 1e-3;
+  CheckInput(!text.ends_with('.'),
+             fmt::format("{}: ends within a number, so it is cut short", name));
   std::istringstream lines(text);
   std::string line;
   std::getline(lines, line);
@@ -86,6 +88,9 @@ GraspFile ReadGraspsCsv(const std::string& text, const std::string& name) {
     grasp.X_OF = MakePose(R, {number_of("x_m"), number_of("y_m"), number_of("z_m")});
     for (const char* column : {"robust", "confidence"}) {
       if (columns.contains(column)) grasp.confidence = number_of(column);
+    }
+    for (const char* column : {"depth_m", "quality", "epsilon"}) {
+      if (columns.contains(column)) number_of(column);  // not used, but of this program's files
     }
     if (columns.contains("width_m")) grasp.width_m = std::max(0.0, number_of("width_m"));
   }
@@ -166,8 +171,14 @@ void RequireFitsOpening(const GraspFile& file, const Gripper& gripper) {
 GraspFile ReadGraspFile(const std::filesystem::path& file) {
   const GraspFormat format = FormatOf(file);
   const std::string text = ReadFileText(file);
-  return format == GraspFormat::kIsaac ? ReadIsaacGrasps(text, file.string())
-                                       : ReadGraspsCsv(text, file.string());
+  GraspFile read = format == GraspFormat::kIsaac ? ReadIsaacGrasps(text, file.string())
+                                                 : ReadGraspsCsv(text, file.string());
+  for (const FileGrasp& grasp : read.grasps) {
+    CheckInput(grasp.confidence >= 0 && grasp.confidence <= 1,
+               fmt::format("{}: grasp '{}' has the confidence {:g}; it is from 0 to 1", grasp.place,
+                           grasp.name, grasp.confidence));
+  }
+  return read;
 }
 
 void RequireGraspsOf(const GraspFile& file, const ObjectModel& object, const Gripper& gripper,

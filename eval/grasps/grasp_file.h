@@ -35,7 +35,8 @@ struct GraspFile {
 
 // Reads a file that ends in .yaml or .yml (isaac_grasp), or in .csv. Throws InputError for another
 // format or version, a missing key, a number that is not finite, an orientation that is no unit
-// quaternion, an object_scale other than 1, and a file without grasps.
+// quaternion, a confidence outside of 0 to 1, an object_scale other than 1, and a file without
+// grasps.
 GraspFile ReadGraspFile(const std::filesystem::path& file);
 
 // Throws InputError if the file names another object or gripper, or another approach axis than

@@ -157,6 +157,15 @@ TEST(GraspFile, DamagedCsvIsNamed) {
   EXPECT_THAT(error_of(whole.substr(0, whole.find('\n') + 1)), HasSubstr("has no grasps"));
   EXPECT_THAT(error_of(""), HasSubstr("has no grasps"));
   EXPECT_THAT(error_of(whole.substr(0, whole.size() - 30)), HasSubstr("damaged.csv:3: has"));
+  EXPECT_THAT(error_of(whole.substr(0, whole.rfind('.') + 1)), HasSubstr("so it is cut short"));
+  const std::string last = whole.substr(whole.rfind(',') + 1);
+  for (const char* confidence : {"1.5\n", "-0.1\n"}) {
+    EXPECT_THAT(error_of(whole.substr(0, whole.size() - last.size()) + confidence),
+                HasSubstr("damaged.csv:3: grasp 'grasp_1' has the confidence "));
+  }
+  std::string scripted = whole;
+  EXPECT_THAT(error_of(scripted.insert(whole.rfind(','), "<script>")),
+              HasSubstr("damaged.csv:3: epsilon = '0<script>'"));
   std::string renamed = whole;
   EXPECT_THAT(error_of(renamed.replace(renamed.find("x_m"), 3, "y_x")), HasSubstr("no column x_m"));
   std::string damaged = whole;
