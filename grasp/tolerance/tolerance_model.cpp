@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -126,6 +127,9 @@ double SquaredMotion(const ToleranceModel& model, const Pose& X) {
   return (D * model.surface_covariance_O).cwiseProduct(D).sum() +
          (D * model.surface_mean_O + X.translation()).squaredNorm();
 }
+
+// Largest error of the entries of a stored rotation, which are written with all digits.
+constexpr double kMaxRotationError = 1e-6;
 
 void VisitPose(SettingsVisitor& v, Pose& X) {
   const Range any{-1e6, 1e6};
@@ -277,11 +281,8 @@ void ToleranceModel::Visit(SettingsVisitor& v) {
       "weights", weights.size(), [&](size_t size) { weights.resize(size); },
       [&](size_t i, SettingsVisitor& w) {
         std::string term = i < kTerms ? ToleranceTerms()[i] : "";
-        const std::string expected = term;
-        w.Text("term", term, {}, "term as an expression in x y z rx ry rz, the scaled error in G");
-        CheckInput(term == expected,
-                   fmt::format("weights.{}.term = {}: must be {}; the weights have a fixed order",
-                               i, term, expected));
+        w.Text("term", term, {term},
+               "term as an expression in x y z rx ry rz, the scaled error in G; in a fixed order");
         w.Real("w", weights[i], {-1e9, 1e9}, "weight of the term");
       },
       "weights of the logistic regression");
@@ -327,6 +328,19 @@ ToleranceModel ReadToleranceModel(const std::filesystem::path& file) {
              fmt::format("{}: is not a tolerance model: it has {} weights of {} and {} grasps; "
                          "make one with `pickbed tolerance OBJECT GRIPPER`",
                          file.string(), model.weights.size(), kTerms, model.X_OG.size()));
+  const auto is_pose = [](const Pose& X) { return X.linear().isUnitary(kMaxRotationError); };
+  CheckInput(std::ranges::all_of(model.X_OG, is_pose) &&
+                 std::ranges::all_of(model.symmetries_O.discrete_O, is_pose),
+             fmt::format("{}: x and z of a grasp or of a symmetry_turn are no unit vectors at a "
+                         "right angle; make it again with `pickbed tolerance OBJECT GRIPPER`",
+                         file.string()));
+  const auto has_axis = [](const ContinuousSymmetry& symmetry) {
+    return std::abs(symmetry.axis_O.norm() - 1) < kMaxRotationError;
+  };
+  CheckInput(std::ranges::all_of(model.symmetries_O.continuous_O, has_axis),
+             fmt::format("{}: an axis of symmetry_axes is no unit vector; make it again with "
+                         "`pickbed tolerance OBJECT GRIPPER`",
+                         file.string()));
   model.symmetry_inverses_O = InverseSymmetries(model.symmetries_O);
   return model;
 }

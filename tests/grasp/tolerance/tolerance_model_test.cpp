@@ -225,7 +225,27 @@ TEST(Tolerance, ModelFileNamesTheTerms) {
   EXPECT_THAT(ReadFileBytes(file), testing::Not(testing::HasSubstr("term")));
   EXPECT_EQ(ReadToleranceModel(file).weights, model.weights);
   std::ofstream(file) << std::regex_replace(text, std::regex("x\\*\\*2"), "y**2");
-  EXPECT_THAT(ErrorOf([&] { ReadToleranceModel(file); }), testing::HasSubstr("must be x**2"));
+  EXPECT_THAT(ErrorOf([&] { ReadToleranceModel(file); }),
+              testing::HasSubstr("weights.2.term 'y**2'"));
+}
+
+TEST(Tolerance, PosesAndAxesOfAFileMustBeOnes) {
+  TemporaryFolder folder;
+  const auto file = folder.path() / "model.yaml";
+  const ToleranceModel sound = PlantedModel({Pose::Identity()}, 500);
+  const auto error_of = [&](const ToleranceModel& model) {
+    WriteToleranceModel(file, model);
+    return ErrorOf([&] { ReadToleranceModel(file); });
+  };
+  EXPECT_EQ(error_of(sound), "no error");
+  ToleranceModel grasp = sound, turn = sound, axis = sound;
+  grasp.X_OG[0].linear().col(0) *= 3;
+  turn.symmetries_O.discrete_O = {Pose::Identity()};
+  turn.symmetries_O.discrete_O[0].linear().col(2).x() = 0.1;
+  axis.symmetries_O.continuous_O = {{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}};
+  EXPECT_THAT(error_of(grasp), testing::HasSubstr("model.yaml: x and z of a grasp"));
+  EXPECT_THAT(error_of(turn), testing::HasSubstr("model.yaml: x and z of a grasp"));
+  EXPECT_THAT(error_of(axis), testing::HasSubstr("model.yaml: an axis of symmetry_axes"));
 }
 
 TEST(Tolerance, InvalidModelFileIsRefused) {
