@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "eval/bop/json.h"
 #include "eval/bop/layout.h"
@@ -15,6 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kFormat = 1;
+constexpr double kMaxDeviation = 10;  // of friction, mass and size, as a share
+constexpr double kFarthest_m = 100;
+constexpr double kMaxRotationError = 1e-6;
 
 bool SameObjects(const Scene& a, const Scene& b) {
   return std::ranges::equal(a.objects, b.objects, [](const PosedObject& p, const PosedObject& q) {
@@ -68,9 +72,22 @@ PosedObject InstanceOf(const ParsedJson& entry, const ObjectSet& objects, const 
   if (const std::string wrong = RotationFault(ToMatrix3(*R)); !wrong.empty()) {
     (place / "'R'").Fault(wrong);
   }
+  // The file has all digits of a rotation, so that it is no published one, which is rounded.
+  if (!ToMatrix3(*R).isUnitary(kMaxRotationError)) {
+    (place / "'R'").Fault("is no rotation, but was written with all digits");
+  }
   posed.X_WO = MakePose(ToMatrix3(*R), Eigen::Vector3d::Map(t_m->data()));
   posed.deviation.friction = entry.at("friction_deviation").get<double>();
   posed.deviation.mass = entry.at("mass_deviation").get<double>();
+  for (const double deviation : {posed.deviation.friction, posed.deviation.mass}) {
+    if (!(deviation > -1 && deviation < kMaxDeviation)) {
+      place.Fault(fmt::format("an instance deviates by {:g} times its model", deviation));
+    }
+  }
+  if (posed.X_WO.translation().norm() > kFarthest_m) {
+    (place / "'t_m'")
+        .Fault(fmt::format("an instance is {:g} m from the bin", posed.X_WO.translation().norm()));
+  }
   return posed;
 }
 
@@ -145,12 +162,19 @@ StoredScenes ReadStoredScenes(const fs::path& folder, const Bin& bin, const Obje
     RequireSameObjects(json.at("objects"), objects, file);
     for (const ParsedJson& object : json.at("objects")) {
       stored.sizes.push_back(object.at("size_deviation").get<double>());
+      if (!(stored.sizes.back() > -1 && stored.sizes.back() < kMaxDeviation)) {
+        place.Fault(fmt::format("an object deviates by {:g} times its size", stored.sizes.back()));
+      }
     }
     for (const ParsedJson& stored_scene : json.at("scenes")) {
       Scene& scene = stored.scenes.emplace_back();
       scene.bin = bin;
+      std::set<InstanceId> instances;
       for (const ParsedJson& entry : stored_scene.at("instances")) {
         scene.objects.push_back(InstanceOf(entry, objects, place));
+        if (!instances.insert(scene.objects.back().instance).second) {
+          place.Fault(fmt::format("a scene has instance {} twice", entry.at("instance").dump()));
+        }
       }
     }
     for (const auto& [key, index] : json.at("images").items()) {

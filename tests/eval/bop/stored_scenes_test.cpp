@@ -74,10 +74,26 @@ TEST_F(StoredScenesTest, FaultsAreNamedInOneLine) {
   EXPECT_THAT(ErrorOfText(Changed("\"format\": 1", "\"format\": 9")), HasSubstr("has format 9"));
   EXPECT_THAT(ErrorOfText(Changed("\"obj_id\":1", "\"obj_id\":7")), HasSubstr("object cube"));
   EXPECT_THAT(ErrorOfText(Changed("\"size_deviation\"", "\"size\"")), HasSubstr("is damaged"));
+  for (const char* key : {"friction_deviation", "mass_deviation"}) {
+    StoredScenes absurd = stored_;
+    InstanceDeviation& deviation = absurd.scenes.front().objects.front().deviation;
+    (key[0] == 'f' ? deviation.friction : deviation.mass) = 2147483648.0;
+    EXPECT_THAT(ErrorOfText(StoredScenesText(absurd, EasyCube())),
+                HasSubstr("an instance deviates by 2.14748e+09 times"));
+  }
+  StoredScenes far = stored_;
+  far.scenes.front().objects.front().X_WO.translation().x() = 1e6;
+  EXPECT_THAT(ErrorOfText(StoredScenesText(far, EasyCube())), HasSubstr("is 1e+06 m from the bin"));
+  StoredScenes twice = stored_;
+  twice.scenes.front().objects[1].instance = twice.scenes.front().objects[0].instance;
+  EXPECT_THAT(ErrorOfText(StoredScenesText(twice, EasyCube())), HasSubstr("a scene has instance"));
   StoredScenes stretched = stored_;
   stretched.scenes.front().objects.front().X_WO.linear() *= 2;
   EXPECT_THAT(ErrorOfText(StoredScenesText(stretched, EasyCube())),
               HasSubstr("'R': is no rotation"));
+  stretched.scenes.front().objects.front().X_WO.linear() *= 0.5005;
+  EXPECT_THAT(ErrorOfText(StoredScenesText(stretched, EasyCube())),
+              HasSubstr("'R': is no rotation, but was written with all digits"));
   EXPECT_THAT(ErrorOfText(StoredScenesText(stored_, EasyCube()), {Cube(0.03, 0.06, 0.6)}),
               HasSubstr("object cube differs now"))
       << "another mass";
