@@ -22,7 +22,7 @@ class FuzzTargetTest : public testing::TestWithParam<const FuzzTarget*> {};
 TEST_P(FuzzTargetTest, AcceptsItsSeeds) {
   const TemporaryFolder temporary;
   for (const std::string& seed : GetParam()->seeds()) {
-    if (GetParam()->name == "store_sql") break;  // its seeds are edits that damage a store
+    if (!GetParam()->accepts_seeds) break;
     const FuzzCase result = RunFuzzCase(*GetParam(), temporary.path(), seed);
     EXPECT_EQ(result.result, FuzzResult::kAccepted) << result.message;
   }
@@ -54,8 +54,7 @@ TEST_P(FuzzTargetTest, RefusesBrokenInputsThatWereAcceptedOnce) {
 }
 
 TEST_P(FuzzTargetTest, SurvivesMutations) {
-  constexpr int kCases = 40;
-  RunCampaign(*GetParam(), kCases, 1,
+  RunCampaign(*GetParam(), GetParam()->replays, 1,
               [&](int number, const FuzzCase& result, const std::string& bytes) {
                 EXPECT_TRUE(IsFine(result))
                     << "case " << number << " of " << bytes.size()

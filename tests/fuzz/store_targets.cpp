@@ -1,5 +1,3 @@
-#include "tests/fuzz/store_targets.h"
-
 #include <fmt/format.h>
 
 #include <iterator>
@@ -10,19 +8,21 @@
 #include "eval/sweep/merge_shards.h"
 #include "scenes/base/files.h"
 #include "tests/eval/stub_sweep.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/fuzz/format_targets.h"
+#include "tests/fuzz/target_parts.h"
 
 namespace pickbed::tests {
 namespace {
 
 namespace fs = std::filesystem;
-using Contents = std::vector<std::string>;
+constexpr int kTrials = 2;  // of each store
 
-std::string StoreBytes() {
+// A store of the sweep's trials from `first` on.
+std::string StoreBytes(int all_trials = kTrials, int first = 0) {
   const TemporaryFolder temporary;
   {
-    ResultsStore store(temporary.path(), HeadOf(StubSweep(1, 2), temporary.path()));
-    for (int number = 0; number < 2; ++number) {
+    ResultsStore store(temporary.path(), HeadOf(StubSweep(1, all_trials), temporary.path()));
+    for (int number = first; number < first + kTrials; ++number) {
       TrialResult trial = FullTrial(number);
       trial.instances_cleared = 0;  // none of its attempts succeeds, so a merge accepts it
       store.Write(trial);
@@ -99,45 +99,47 @@ void EditStore(const Database& db, const std::string& line) {
   sqlite3_exec(db.handle(), statement.c_str(), nullptr, nullptr, nullptr);
 }
 
-}  // namespace
+// Writes a store and edits it, see EditStore().
+void WriteEditedStore(const fs::path& folder, const std::string& store, const std::string& edits) {
+  fs::remove_all(folder);
+  MakeFolder(folder);
+  WriteFileAtomically(folder / kStoreFile, store);
+  const Database db(folder / kStoreFile, Database::Mode::kExisting);
+  std::istringstream lines(edits);
+  for (std::string line; std::getline(lines, line);) EditStore(db, line);
+}
+
+Contents Edits() {
+  // A value of each type, and the ends of ranges, for each table and column.
+  constexpr const char* kValues[] = {"NULL", "-1",  "1",         "2147483648", "1e300",  "-0.5",
+                                     "''",   "'x'", "'[1,0,0]'", "'finished'", "x'00ff'"};
+  // Several edits in each, so that most mutations leave some of them valid.
+  constexpr int kTables = 12, kColumns = 64, kContents = 120, kEdits = 6;
+  Contents contents;
+  for (int i = 0; i < kContents; ++i) {
+    std::string edits;
+    for (int j = 0; j < kEdits; ++j) {
+      edits += fmt::format("u {} {} {} {}\n", (i + 5 * j) % kTables, (7 * i + 11 * j) % kColumns,
+                           (i + j) % 3, kValues[(3 * i + j) % std::size(kValues)]);
+    }
+    contents.push_back(edits);
+  }
+  for (int table = 0; table < kTables; ++table) {
+    for (const char edit : {'d', 'c', 'r', 't'}) {
+      contents.push_back(fmt::format("{0} {1} {1} 0\nu {2} {1} 1 -1\n", edit, table, table + 1));
+    }
+  }
+  return contents;
+}
 
 FuzzTarget StoreSqlTarget() {
   const auto run = [](const fs::path& folder, const std::string& bytes) {
     static const std::string kStore = StoreBytes();
-    fs::remove_all(folder / "store");
-    MakeFolder(folder / "store");
-    WriteFileAtomically(folder / "store" / kStoreFile, kStore);
-    {
-      const Database db(folder / "store" / kStoreFile, Database::Mode::kExisting);
-      std::istringstream lines(bytes);
-      for (std::string line; std::getline(lines, line);) EditStore(db, line);
-    }
+    WriteEditedStore(folder / "store", kStore, bytes);
     ReadStore(folder / "store");
     MergeInto(folder / "store", folder / "merged");
   };
-  const auto seeds = [] {
-    // A value of each type, and the ends of ranges, for each table and column.
-    constexpr const char* kValues[] = {"NULL", "-1",  "1",         "2147483648", "1e300",  "-0.5",
-                                       "''",   "'x'", "'[1,0,0]'", "'finished'", "x'00ff'"};
-    // Several edits in each, so that most mutations leave some of them valid.
-    constexpr int kTables = 12, kColumns = 64, kContents = 120, kEdits = 6;
-    Contents contents;
-    for (int i = 0; i < kContents; ++i) {
-      std::string edits;
-      for (int j = 0; j < kEdits; ++j) {
-        edits += fmt::format("u {} {} {} {}\n", (i + 5 * j) % kTables, (7 * i + 11 * j) % kColumns,
-                             (i + j) % 3, kValues[(3 * i + j) % std::size(kValues)]);
-      }
-      contents.push_back(edits);
-    }
-    for (int table = 0; table < kTables; ++table) {
-      for (const char edit : {'d', 'c', 'r', 't'}) {
-        contents.push_back(fmt::format("{0} {1} {1} 0\nu {2} {1} 1 -1\n", edit, table, table + 1));
-      }
-    }
-    return contents;
-  };
-  return {"store_sql", run, seeds};
+  return {"store_sql", run, Edits, true, false};
 }
 
 FuzzTarget StoreTarget() {
@@ -147,5 +149,26 @@ FuzzTarget StoreTarget() {
   };
   return {"store", run, [] { return Contents{StoreBytes()}; }};
 }
+
+// The results of two shards of a sweep, one of them edited.
+FuzzTarget ShardsTarget() {
+  const auto run = [](const fs::path& folder, const std::string& bytes) {
+    static const std::string kFirst = StoreBytes(2 * kTrials);
+    static const std::string kSecond = StoreBytes(2 * kTrials, kTrials);
+    WriteEditedStore(folder / "shard_0", kFirst, "");
+    WriteEditedStore(folder / "shard_1", kSecond, bytes);
+    fs::remove_all(folder / "merged");
+    const MergeReport report =
+        MergeStores({folder / "shard_0", folder / "shard_1"}, folder / "merged");
+    RequireLaw(report.trials >= kTrials && report.trials + report.missing == 2 * kTrials,
+               "each trial of a sweep is merged or missing");
+    ReadStore(folder / "merged");
+  };
+  return {"store_shards", run, Edits, true, false, 10};
+}
+
+}  // namespace
+
+std::vector<FuzzTarget> StoreTargets() { return {StoreTarget(), StoreSqlTarget(), ShardsTarget()}; }
 
 }  // namespace pickbed::tests

@@ -20,7 +20,9 @@ struct FuzzTarget {
   std::function<void(const std::filesystem::path& folder, const std::string& bytes)> run;
   // Contents that the code accepts. Mutations begin with them.
   std::function<std::vector<std::string>()> seeds;
-  bool reads_file = true;  // its errors name the file
+  bool reads_file = true;     // its errors name the file
+  bool accepts_seeds = true;  // false: the seeds are edits that damage a file
+  int replays = 40;           // mutations that the tests run; fewer for a slow target
 };
 
 // All targets. They are made once.
