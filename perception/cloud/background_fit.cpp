@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <optional>
 
@@ -381,6 +382,12 @@ void BackgroundOptions::Visit(SettingsVisitor& v) {
 std::vector<BackgroundPlane> FitBackground(const Points& points_C,
                                            const BackgroundOptions& options) {
   CheckSettings("BackgroundOptions", options);
+  const auto is_finite = [](const Eigen::Vector3f& p) { return p.allFinite(); };
+  if (!std::all_of(points_C.begin(), points_C.end(), is_finite)) {
+    Points finite_C;
+    std::copy_if(points_C.begin(), points_C.end(), std::back_inserter(finite_C), is_finite);
+    return FitBackground(finite_C, options);
+  }
   if (points_C.size() < 3) return {};
   const std::optional<BackgroundPlane> floor = FitFloor(points_C, options);
   if (!floor) return {};

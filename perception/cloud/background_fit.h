@@ -34,8 +34,8 @@ struct BackgroundOptions {
 // - Walls of an upright rectangular bin on that plane, if at least three are seen from inside.
 //   A wall is a line on the floor with many points above it and almost none further out.
 // - The floor of the bin itself, if it hides the table.
-// Returns walls first and the table or floor last; empty if there is no table or floor. The result
-// is deterministic. Throws InputError for options out of range.
+// Returns walls first and the table or floor last; empty if there is no table or floor. Points that
+// are not finite are ignored. Deterministic. Throws InputError for options out of range.
 std::vector<BackgroundPlane> FitBackground(const std::vector<Eigen::Vector3f>& points_C,
                                            const BackgroundOptions& options);
 

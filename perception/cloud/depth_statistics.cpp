@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "scenes/camera/filled_depth.h"
+
 namespace pickbed::perception {
 namespace {
 
@@ -33,7 +35,7 @@ DepthStatistics MeasureDepth(const Image<float>& depth_m) {
     int first = depth_m.width(), last = -1, readings = 0;
     for (int x = 0; x < depth_m.width(); ++x) {
       const float z = depth_m(x, y);
-      if (!(z > 0)) continue;
+      if (!IsReading(z)) continue;
       first = std::min(first, x);
       last = x;
       ++readings;

@@ -24,7 +24,7 @@ Interval TangentSlopes(double across, double z, double r) {
 
 PixelBox BallPixels(const CameraIntrinsics& k, const Eigen::Vector3f& center_C, float radius_m) {
   const Eigen::Vector3d c = center_C.cast<double>();
-  if (!(c.z() > -radius_m)) return {};
+  if (!c.allFinite() || !(c.z() > -radius_m)) return {};
   if (c.norm() <= radius_m) return {0, 0, k.width(), k.height()};
   const Interval sx = TangentSlopes(c.x(), c.z(), radius_m);
   const Interval sy = TangentSlopes(c.y(), c.z(), radius_m);

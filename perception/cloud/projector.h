@@ -42,7 +42,8 @@ struct PixelBox {
 };
 
 // Returns a box that contains the projection of a ball, clipped to the image. It is empty if the
-// ball is outside the image, and the whole image if the camera is inside the ball.
+// ball is outside the image or has no finite center, and the whole image if the camera is inside
+// the ball.
 PixelBox BallPixels(const CameraIntrinsics& k, const Eigen::Vector3f& center_C, float radius_m);
 
 }  // namespace pickbed::perception

@@ -44,7 +44,10 @@ Image<uint8_t> BinnedRegion(const Image<uint8_t>& region, int factor) {
 int BinningFor(const CameraIntrinsics& intrinsics, double distance_m, double smallest_diameter_m) {
   const double diameter_px =
       smallest_diameter_m * std::min(intrinsics.fx(), intrinsics.fy()) / distance_m;
-  return std::max(1, static_cast<int>(diameter_px / kSearchDiameter_px));
+  const double factor = diameter_px / kSearchDiameter_px;
+  if (!(factor > 1)) return 1;  // also if it is not a number
+  return static_cast<int>(
+      std::min<double>(factor, std::min(intrinsics.width(), intrinsics.height())));
 }
 
 double SmallestDiameter_m(const ObjectSet& objects) {

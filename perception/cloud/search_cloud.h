@@ -13,8 +13,9 @@ namespace pickbed::perception {
 // windows are tuned for objects of 60 to 120 px.
 inline constexpr double kSearchDiameter_px = 76;
 
-// Returns how many pixels per axis become one, at least 1. An object of `smallest_diameter_m` at
-// `distance_m` from the camera keeps a diameter of kSearchDiameter_px.
+// Returns how many pixels per axis become one, at least 1 and at most the smaller side of the
+// image. An object of `smallest_diameter_m` at `distance_m` from the camera keeps a diameter of
+// kSearchDiameter_px.
 int BinningFor(const CameraIntrinsics& intrinsics, double distance_m, double smallest_diameter_m);
 
 // Returns the frame with each block of `factor` x `factor` pixels as one pixel. Its depth is the
@@ -23,7 +24,7 @@ int BinningFor(const CameraIntrinsics& intrinsics, double distance_m, double sma
 // result is the same for any number of threads.
 RgbdFrame BinnedFrame(const RgbdFrame& frame, int factor, int threads = 1);
 
-// Returns the diameter of the smallest of the objects, m.
+// Returns the diameter of the smallest of the objects, m; infinite without objects.
 double SmallestDiameter_m(const ObjectSet& objects);
 
 // Preprocesses a frame as BuildCloud() does, after binning by `factor`; see BinningFor(). A block

@@ -146,6 +146,9 @@ DistanceField MakeDistanceField(std::span<const Eigen::Vector3f> samples_O, doub
                                 int nodes) {
   CheckInput(!samples_O.empty(), "a distance field needs at least one surface sample");
   CheckInput(nodes >= 4, "a distance field needs at least 4 nodes along its longest axis");
+  CheckInput(std::all_of(samples_O.begin(), samples_O.end(),
+                         [](const Eigen::Vector3f& p) { return p.allFinite(); }),
+             "a sample of a distance field is not finite; repair the mesh");
   Eigen::Vector3f low = samples_O.front(), high = samples_O.front();
   for (const Eigen::Vector3f& p : samples_O) {
     low = low.cwiseMin(p);
@@ -153,6 +156,8 @@ DistanceField MakeDistanceField(std::span<const Eigen::Vector3f> samples_O, doub
   }
   const float padding = static_cast<float>(padding_m);
   const Eigen::Vector3f extent = high - low + Eigen::Vector3f::Constant(2 * padding);
+  CheckInput(extent.maxCoeff() > 0 && extent.allFinite(),
+             "a distance field of one point needs a padding above 0");
   DistanceField field;
   field.cell_m = extent.maxCoeff() / static_cast<float>(nodes - 1);
   field.origin_O = low - Eigen::Vector3f::Constant(padding);

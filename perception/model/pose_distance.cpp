@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "scenes/base/error.h"
 #include "scenes/geometry/decompositions.h"
 
 namespace pickbed::perception {
@@ -34,10 +35,18 @@ Eigen::Matrix<double, 3, 8> AxisEnds(const TriangleMesh& mesh, const ContinuousS
   return ends;
 }
 
+// Returns the unit of the pose distances.
+double DiameterOf(const ObjectModel& model) {
+  const double diameter_m = model.diameter_m > 0 ? model.diameter_m : Diameter(model.mesh_O);
+  CheckInput(diameter_m > 0,
+             "object '" + model.name + "' has no extent; give it a mesh of several points");
+  return diameter_m;
+}
+
 }  // namespace
 
 PoseEmbedding::PoseEmbedding(const ObjectModel& model)
-    : scale_(1.0 / (std::sqrt(8.0) * model.diameter_m)) {
+    : scale_(1.0 / (std::sqrt(8.0) * DiameterOf(model))) {
   const SymmetrySet& symmetries = model.symmetries_O;
   if (SecondAxis(symmetries)) {
     // Rotations about two axes generate all rotations about their common point.
@@ -115,7 +124,7 @@ PoseDistance::PoseDistance(const ObjectModel& model) {
   for (const Pose& S : model.symmetries_O.discrete_O) {
     for (const Eigen::Vector3d& p : keypoints_O_) variants_O_.push_back(S * p);
   }
-  diameter_m_ = model.diameter_m > 0 ? model.diameter_m : Diameter(model.mesh_O);
+  diameter_m_ = DiameterOf(model);
 }
 
 double PoseDistance::operator()(const Pose& X_CA, const Pose& X_CB) const {

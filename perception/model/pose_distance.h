@@ -25,6 +25,7 @@ class PoseEmbedding {
   using Point = Eigen::Matrix<float, 24, 1>;
   using Points = Eigen::Matrix<float, 24, Eigen::Dynamic>;  // one point per column
 
+  // Throws InputError for an object of one point.
   explicit PoseEmbedding(const ObjectModel& model);
 
   // Number of discrete symmetries, including the identity.
@@ -51,6 +52,7 @@ class PoseEmbedding {
 // for a continuous symmetry.
 class PoseDistance {
  public:
+  // Throws InputError for an object of one point.
   explicit PoseDistance(const ObjectModel& model);
   double operator()(const Pose& X_CA, const Pose& X_CB) const;
 

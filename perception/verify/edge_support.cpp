@@ -4,6 +4,19 @@
 #include <cmath>
 
 namespace pickbed::perception {
+namespace {
+
+// Returns the pixel that is nearest to the image of p_C. It is outside every image if the image of
+// p_C is far outside, where pixels do not fit into an integer.
+Eigen::Vector2i NearestPixel(const CameraIntrinsics& k, const Eigen::Vector3f& p_C) {
+  const auto nearest = [](double px) {
+    return static_cast<int>(std::lround(std::clamp<double>(px, -1, CameraIntrinsics::kMaxSize_px)));
+  };
+  const Eigen::Vector2d at_px = Project(k, p_C.cast<double>());
+  return {nearest(at_px.x()), nearest(at_px.y())};
+}
+
+}  // namespace
 
 EdgeSupport MeasureEdgeSupport(const OrganizedCloud& cloud, const ModelPoints& model,
                                const Pose& X_CO) {
@@ -20,15 +33,12 @@ EdgeSupport MeasureEdgeSupport(const OrganizedCloud& cloud, const ModelPoints& m
     const Eigen::Vector3f p_C = R_CO * point.p_O + t_C;
     if (p_C.z() <= 0) continue;
     if (p_C.dot(R_CO * point.normal_1_O) >= 0 && p_C.dot(R_CO * point.normal_2_O) >= 0) continue;
-    const Eigen::Vector2d at_px = Project(k, p_C.cast<double>());
-    const int u = static_cast<int>(std::lround(at_px.x()));
-    const int v = static_cast<int>(std::lround(at_px.y()));
+    const Eigen::Vector2i at_px = NearestPixel(k, p_C);
+    const int u = at_px.x(), v = at_px.y();
     if (!edges.du.Contains(u, v)) continue;
-    const Eigen::Vector2d depth_px = Project(kd, p_C.cast<double>());
-    const int ud = static_cast<int>(std::lround(depth_px.x()));
-    const int vd = static_cast<int>(std::lround(depth_px.y()));
-    if (cloud.depth_m.Contains(ud, vd)) {
-      const float z_m = cloud.depth_m(ud, vd);
+    const Eigen::Vector2i depth_px = NearestPixel(kd, p_C);
+    if (cloud.depth_m.Contains(depth_px.x(), depth_px.y())) {
+      const float z_m = cloud.depth_m(depth_px.x(), depth_px.y());
       if (z_m > 0 && z_m < p_C.z() - kInFrontAt1m * p_C.z() * p_C.z()) continue;
     }
     // Direction of the edge in the image.

@@ -47,8 +47,10 @@ VoteDensity::VoteDensity(const PoseEmbedding& embedding, const Eigen::Vector3d& 
   }
 }
 
+// Far votes share the outermost cells; their distance separates them.
 Eigen::Array3i VoteDensity::Index(const Eigen::Vector3f& com_C) const {
-  return (com_C / reach_m_).array().floor().cast<int>();
+  constexpr float kLargest = 1 << 20;  // see CellOf()
+  return (com_C / reach_m_).array().floor().max(-kLargest).min(kLargest).cast<int>();
 }
 
 // Packs the indices with 21 bits per axis. The next cell along x has the next number.

@@ -6,6 +6,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "scenes/base/error.h"
 #include "scenes/geometry/decompositions.h"
 
 namespace pickbed::perception {
@@ -37,9 +38,11 @@ void ForNeighbours(const Cells& cells, const Cell& cell, const Visit& visit) {
 }
 
 Cells CellsOf(const std::vector<Vote>& votes, double side_m) {
+  constexpr double kLargest = 1e9;  // farther votes share the outermost cells
   Cells cells;
   for (size_t i = 0; i < votes.size(); ++i) {
-    const Eigen::Array3i at = (votes[i].center_C / side_m).array().floor().cast<int>();
+    const Eigen::Array3i at =
+        (votes[i].center_C / side_m).array().floor().max(-kLargest).min(kLargest).cast<int>();
     cells[{at[0], at[1], at[2]}].push_back(static_cast<int>(i));
   }
   return cells;
@@ -195,10 +198,12 @@ Eigen::Quaterniond MeanRotation(std::span<const Eigen::Quaterniond> rotations,
 
 std::vector<VoteMode> FindVoteModes(const ObjectModel& model, const ObjectRotations& rotations,
                                     const std::vector<CastVote>& cast, const ModeOptions& options) {
+  CheckInput(model.diameter_m > 0,
+             "object '" + model.name + "' has no diameter; give it the one of its mesh");
   const Eigen::Vector3d com_O = model.mass.com_O;
   std::vector<Vote> votes;
   for (const CastVote& vote : cast) {
-    if (vote.distance > options.max_distance) continue;
+    if (!(vote.distance <= options.max_distance)) continue;  // also if it is not a number
     votes.push_back({vote.X_CO * com_O, Eigen::Quaterniond(vote.X_CO.linear()),
                      std::exp(-static_cast<double>(vote.distance))});
   }

@@ -64,6 +64,7 @@ Eigen::Quaterniond MeanRotation(std::span<const Eigen::Quaterniond> rotations,
                                 std::span<const double> weights);
 
 // Returns the modes by decreasing weight. The order of the votes matters only for equal weights.
+// Throws InputError for an object without a diameter.
 std::vector<VoteMode> FindVoteModes(const ObjectModel& model, const ObjectRotations& rotations,
                                     const std::vector<CastVote>& votes, const ModeOptions& options);
 
