@@ -16,6 +16,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 
 constexpr double kRounding_m = 1e-9;  // margin of a search that must not miss a point
+constexpr double kMaxColumns = 4e6;   // of a field; 20 m x 20 m of the usual size
 
 // Largest of the distances to the three slabs of the box: negative inside, a lower bound outside.
 double SlabDistance(const AxisAlignedBox& box, const Vector3d& p) {
@@ -92,7 +93,9 @@ bool AnyInside(const Eigen::Matrix3Xd& points_G, std::span<const AxisAlignedBox>
   });
 }
 
-SurfaceBand::SurfaceBand(const Eigen::Matrix3Xd& points_O, double band_m) : voxel_m_(0.5 * band_m) {
+SurfaceBand::SurfaceBand(const Eigen::Matrix3Xd& points_O, double band_m)
+    : corner_(Vector3d::Zero()), size_(Vector3i::Zero()), voxel_m_(0.5 * band_m) {
+  if (points_O.cols() == 0) return;
   const double pad = band_m + voxel_m_;
   corner_ = points_O.rowwise().minCoeff().array() - pad;
   const Vector3d top = points_O.rowwise().maxCoeff().array() + pad;
@@ -163,8 +166,11 @@ ObstacleField::ObstacleField(std::vector<Vector3d> points_W, std::vector<int> gr
       high = high.cwiseMax(p.head<2>());
     }
     corner_ = low;
-    columns_ = static_cast<int>((high.x() - low.x()) / cell_m) + 1;
-    rows_ = static_cast<int>((high.y() - low.y()) / cell_m) + 1;
+    // A wrong pose can be at any distance. Larger columns need less memory and give equal answers.
+    const Vector2d extent_m = high - low;
+    while ((extent_m / cell_m_).array().ceil().max(1).prod() > kMaxColumns) cell_m_ *= 2;
+    columns_ = static_cast<int>(extent_m.x() / cell_m_) + 1;
+    rows_ = static_cast<int>(extent_m.y() / cell_m_) + 1;
   }
   begin_.assign(static_cast<size_t>(columns_) * rows_ + 1, 0);
   for (const Vector3d& p : points_W) ++begin_[Column(p.x(), p.y()) + 1];

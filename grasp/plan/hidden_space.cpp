@@ -43,9 +43,10 @@ double HiddenSpace::HiddenVolume_m3(std::span<const AxisAlignedBox> boxes_G, con
 double HiddenSpace::MeanDepth_m(std::span<const AxisAlignedBox> sweep_G, const Pose& X_BG,
                                 double step_m) const {
   double area_m2 = 0;
-  for (const AxisAlignedBox& box : sweep_G.first(sweep_G.size() - 1)) {  // the last is the palm
-    area_m2 += 4 * box.half_size.x() * box.half_size.y();
+  for (size_t i = 0; i + 1 < sweep_G.size(); ++i) {  // the last is the palm
+    area_m2 += 4 * sweep_G[i].half_size.x() * sweep_G[i].half_size.y();
   }
+  if (area_m2 <= 0) return 0;
   return HiddenVolume_m3(sweep_G, X_BG, step_m) / area_m2;
 }
 

@@ -28,7 +28,8 @@ class HiddenSpace {
                          double step_m) const;
 
   // Returns the hidden volume of the boxes of HandSweep() by the area of its fingers, or of the
-  // stem of a cup, across the approach: their mean depth in hidden space, m.
+  // stem of a cup, across the approach: their mean depth in hidden space, m. 0 for a palm without
+  // them.
   double MeanDepth_m(std::span<const AxisAlignedBox> sweep_G, const Pose& X_BG,
                      double step_m) const;
 
