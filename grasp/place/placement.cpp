@@ -203,7 +203,9 @@ std::vector<double> SetDownWorths(const ObjectModel& model, std::span<const Pose
       worths[i] = std::max(worths[i], upright * DropFactor(lowest_m, options));
     }
   }
-  for (double& worth : worths) worth /= maximum;
+  if (maximum > 0) {
+    for (double& worth : worths) worth /= maximum;
+  }
   return worths;
 }
 
