@@ -16,6 +16,7 @@ constexpr int kRimDirections = 8;
 }  // namespace
 
 std::vector<Vector3d> RimPoints(const PadPatch& patch) {
+  if (patch.points_G.empty()) return {};
   const double count = static_cast<double>(patch.points_G.size());
   Vector3d center = Vector3d::Zero();
   for (const Vector3d& p : patch.points_G) center += p / count;

@@ -61,7 +61,7 @@ PointColumns Rotated(const PointColumns& points_O, const Eigen::Matrix3d& R_OG) 
 
 std::optional<double> JawOpening_m(const HandSpec& hand, double clearance_m, double width_m) {
   const double opening_m = width_m + 2 * clearance_m;
-  if (opening_m > hand.stroke_m) return std::nullopt;
+  if (!(opening_m <= hand.stroke_m)) return std::nullopt;  // also for a width that is no number
   return opening_m;
 }
 

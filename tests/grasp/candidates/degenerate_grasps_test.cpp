@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "grasp/candidates/antipodal.h"
+#include "grasp/candidates/candidates.h"
+#include "grasp/candidates/robustness.h"
 #include "grasp/candidates/suction.h"
 #include "grasp/candidates/surface_sampling.h"
 #include "grasp/candidates/wrench_space.h"
+#include "grasp/grippers/suction_cup.h"
 #include "scenes/base/error.h"
 #include "tests/grasp/grasp_scenes.h"
 #include "tests/scenes/geometry/degenerate_meshes.h"
@@ -69,6 +73,109 @@ TEST(DegenerateCandidates, AreFinite) {
         EXPECT_FALSE(test.has_area) << test.name << ": " << error.what();
       }
     }
+  }
+}
+
+// All quality measures, also the ones that a hand and a resting direction give.
+TEST(DegenerateCandidates, QualitiesAreShares) {
+  GraspCandidateOptions options;
+  options.antipodal.max_samples = 400;
+  options.antipodal.max_pairs = 20;
+  options.suction.max_samples = 60;
+  options.robust.samples = 2;
+  const ParallelJaw jaw = SmallJaw();
+  const SuctionCup cup;
+  size_t found = 0;
+  for (const DegenerateMesh& test : DegenerateMeshes()) {
+    if (!test.has_area) continue;
+    for (const Gripper* gripper :
+         {static_cast<const Gripper*>(&jaw), static_cast<const Gripper*>(&cup)}) {
+      Rng rng(1);
+      const auto grasps = MakeCandidates(ObjectOf(test), *gripper, rng, options);
+      ExpectSound(grasps, test.name);
+      for (const GraspCandidate& grasp : grasps) {
+        EXPECT_TRUE(grasp.place_quality >= 0 && grasp.place_quality <= 1) << test.name;
+        EXPECT_TRUE(grasp.robust >= 0 && grasp.robust <= 1) << test.name;
+        EXPECT_TRUE(std::isfinite(grasp.epsilon) && grasp.epsilon >= 0) << test.name;
+      }
+      found += grasps.size();
+    }
+  }
+  EXPECT_GT(found, 0u) << "some mesh must have a grasp to check";
+}
+
+TEST(DegenerateCandidates, EqualOnesAreSpreadToOne) {
+  const std::vector<GraspCandidate> equal(5);
+  const auto count = [](const std::vector<GraspCandidate>& all, int wanted, bool same) {
+    return SpreadOverDirections(all, wanted, [&](const auto&, const auto&) { return same; }).size();
+  };
+  EXPECT_EQ(count({}, 3, true), 0u);
+  EXPECT_EQ(count(equal, 0, false), 0u);
+  EXPECT_EQ(count(equal, -1, false), 0u);
+  EXPECT_EQ(count(equal, 3, true), 1u);
+  EXPECT_EQ(count(equal, 3, false), 3u);
+  EXPECT_EQ(count(equal, 9, false), 5u);
+}
+
+TEST(DegenerateRobustness, OfAPointIsAShare) {
+  ObjectModel point;
+  point.mass.mass_kg = 0.1;
+  EXPECT_EQ(WrenchRadius_m(point), 0);
+  const auto never = [](const Pose&, double) { return std::optional<WrenchSet>(); };
+  const auto nothing = [](const Pose&, double) { return std::optional<WrenchSet>(WrenchSet()); };
+  EXPECT_EQ(RobustShare(point, Pose::Identity(), never, Rng(1), {}), 0);
+  EXPECT_EQ(RobustShare(point, Pose::Identity(), nothing, Rng(1), {}), 0);
+}
+
+// Without friction, the rim only pushes along the approach.
+TEST(DegenerateWrenchSets, ACupWithoutFrictionResistsNoShearAndNoTorsion) {
+  const auto box = BoxObject({0.05, 0.05, 0.05}, 0.2);
+  const WrenchSet set = CupWrenches(*box, CupSpec(), FromAbove({0, 0, 0.025}), 0, 0, 8);
+  EXPECT_EQ(DepthOfZero(set).lower, 0);
+  EXPECT_TRUE(Balances(set, -Wrench::Unit(2))) << "the weight";
+  EXPECT_FALSE(Balances(set, 0.01 * Wrench::Unit(0)));
+  EXPECT_FALSE(Balances(set, 0.01 * Wrench::Unit(5)));
+}
+
+TEST(DegenerateWrenchSets, ConesWithoutFrictionOrForceAreLinesAndPoints) {
+  const ContactCone cone{{0.01, 0, 0}, Eigen::Vector3d::UnitZ(), 2, 0};
+  const Wrenches line = ConeEdges(cone, 5, 0.05);
+  ContactCone weak = cone;
+  weak.force = 0;
+  weak.friction = 1;
+  EXPECT_TRUE(ConeEdges(weak, 5, 0.05).isZero());
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_TRUE(line.col(k).head<3>().isApprox(2 * Eigen::Vector3d::UnitZ()));
+    EXPECT_NEAR(line(4, k), -2 * 0.01 / 0.05, 1e-12) << "y of (0.01, 0, 0) x (0, 0, 2)";
+  }
+}
+
+// Segments along the first axes. All six make a cube.
+TEST(DegenerateWrenchSets, OnlyTheSpannedDirectionsAreResisted) {
+  WrenchSet set;
+  for (int rank = 1; rank <= 6; ++rank) {
+    Wrenches segment(6, 3);
+    segment << Wrench::Unit(rank - 1), -Wrench::Unit(rank - 1),
+        Wrench::Unit(rank - 1);  // one twice
+    set.regions.push_back(segment);
+    const WrenchDepth depth = DepthOfZero(set);
+    EXPECT_NEAR(depth.lower, rank < 6 ? 0 : 1, 1e-3) << rank;
+    EXPECT_NEAR(depth.upper, rank < 6 ? 0 : 1, 1e-3) << rank;
+    for (int axis = 0; axis < 6; ++axis) {
+      EXPECT_EQ(Balances(set, 0.9 * Wrench::Unit(axis)), axis < rank) << rank << " " << axis;
+    }
+  }
+}
+
+TEST(DegenerateWrenchSets, WhatIsNotFiniteIsNotResisted) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double value : {std::numeric_limits<double>::quiet_NaN(), kInfinity}) {
+    WrenchSet set;
+    set.regions = {value * Wrenches::Identity(6, 6)};
+    EXPECT_EQ(DepthOfZero(set).lower, 0) << value;
+    set.regions = {Wrenches::Identity(6, 6), -Wrenches::Identity(6, 6)};
+    EXPECT_TRUE(Balances(set, 0.1 * Wrench::Unit(0)));
+    EXPECT_FALSE(Balances(set, Wrench::Constant(value))) << value;
   }
 }
 
