@@ -62,6 +62,7 @@ std::vector<float> HandSurroundings::Of(const Pose& X_WG, double opening_m,
   std::vector<Near> near;
   const Vector3d reach_m(kCellsX * kCell_m / 2, kCellsY * kCell_m / 2, -kTop_m);
   for (size_t i = 0; i < shapes_.size(); ++i) {
+    if (shapes_[i].size == 0) continue;
     const double half_m = shapes_[i].cell_m * shapes_[i].size / 2;
     const Pose X_VG = X_VW_[i] * X_WG;
     const double distance_m = (X_VG.translation() - Vector3d::Constant(half_m)).norm();
