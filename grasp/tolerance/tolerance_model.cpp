@@ -116,6 +116,7 @@ void SurfaceMoments(const TriangleMesh& mesh, Vector3d& mean, Matrix3d& covarian
               (a * a.transpose() + b * b.transpose() + c * c.transpose() +
                9 * center * center.transpose());
   }
+  CheckInput(area > 0, "a mesh without area has no surface that a pose error moves");
   mean = first / area;
   covariance = second / area - mean * mean.transpose();
 }

@@ -78,7 +78,7 @@ std::vector<Pose> InverseSymmetries(const SymmetrySet& symmetries);
 const std::vector<std::string>& ToleranceTerms();
 
 // Returns a model with names, scales, symmetries and surface set, and weights zero. `X_OG` must not
-// be empty.
+// be empty. Throws InputError for an object whose mesh has no area.
 ToleranceModel EmptyToleranceModel(const ObjectModel& model, const std::string& gripper,
                                    std::vector<Pose> X_OG, const ToleranceFitOptions& options = {});
 
