@@ -7,9 +7,11 @@
 #include <limits>
 
 #include "grasp/cloud/cloud_antipodal.h"
+#include "grasp/cloud/cloud_suction.h"
 #include "grasp/cloud/height_map.h"
 #include "grasp/completed/completed_planner.h"
 #include "grasp/completed/occupancy_shape.h"
+#include "grasp/grippers/suction_cup.h"
 #include "tests/grasp/cloud/cloud_scene.h"
 #include "tests/grasp/completed/shape_source.h"
 #include "tests/grasp/grasp_scenes.h"
@@ -91,6 +93,28 @@ TEST_F(DegeneratePlans, GraspsOnTheSurfaceAreFinite) {
   const PlanResult plan = planner.Plan(input);
   ExpectSound(plan, "damaged box");
   EXPECT_FALSE(plan.grasps.empty());
+}
+
+TEST_F(DegeneratePlans, GraspsOfCupsAreFinite) {
+  auto cup = std::make_shared<SuctionCup>();
+  cup->name = "test cup";
+  const std::vector<std::shared_ptr<const Gripper>> cups{cup};
+  CloudSuction planner({PlannerSpec(), cups, objects_, candidates_, {}, 2});
+  size_t on_a_plane = 0;
+  for (const DepthCase& test : DepthCases()) {
+    const RgbdFrame frame = FrameOf(test);
+    for (const bool has_bin : {false, true}) {
+      const PlanResult plan = planner.Plan(InputOf(frame, has_bin));
+      ExpectSound(plan, test.name);
+      const std::string name = test.name;
+      if (!has_bin && name == "constant depth") on_a_plane = plan.grasps.size();
+      if (name == "no reading" || name == "one reading" || name == "a row" || name == "a column" ||
+          test.not_finite == kDegeneratePixels) {
+        EXPECT_TRUE(plan.grasps.empty()) << name << ": a lip needs an area";
+      }
+    }
+  }
+  EXPECT_GT(on_a_plane, 0u) << "a lip seals on a plane";
 }
 
 TEST_F(DegeneratePlans, AnImageWithoutReadingsHasNoGrasp) {
