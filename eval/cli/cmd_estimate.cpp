@@ -14,6 +14,7 @@
 #include "eval/estimate/image_poses.h"
 #include "eval/estimate/report.h"
 #include "eval/explain/explain.h"
+#include "eval/frames/image_estimator.h"
 #include "eval/report/completed_shapes.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
@@ -249,7 +250,7 @@ ScenarioSpec BopSettings(const BopArguments& bop, const ScenarioRequest& argumen
 int ExplainBop(const BopArguments& bop, const ScenarioRequest& arguments,
                const std::vector<std::string>& estimators, const std::string& image,
                const std::string& out) {
-  ScenarioSpec spec = BopSettings(bop, arguments, EstimatorSpec().min_score);
+  ScenarioSpec spec = BopSettings(bop, arguments, kMinImageScore);
   spec.estimator = ExplainedEstimator(arguments, estimators, spec.estimator);
   const std::filesystem::path folder = BopFolder(bop, out, "-bop-explain");
   ExplanationPage page;
@@ -408,7 +409,7 @@ int EstimateCommand(int argc, char** argv) {
   if (IsImage(arguments, image)) {
     CheckInput(!explain && estimators.size() < 2 && tolerance.empty(),
                "an image takes one --estimator and neither --explain nor --tolerance");
-    const ScenarioSpec settings = ImageSettings(arguments, EstimatorSpec().min_score);
+    const ScenarioSpec settings = ImageSettings(arguments, kMinImageScore);
     const EstimatorSpec estimator =
         NamedEstimators(arguments, estimators, settings.estimator).front().spec;
     return EstimateImage(arguments, image, estimator, settings, bop.roi, out, threads);

@@ -13,6 +13,10 @@
 
 namespace pickbed::eval {
 
+// Default minimum score of a pose in an image without a scenario. It is higher than in a scenario,
+// whose bin is known: the surroundings give more wrong poses. See docs/pages/benchmarks_rooms.md.
+inline constexpr double kMinImageScore = 0.6;
+
 struct ImageEstimatorSetup {
   ObjectSet objects;
   EstimatorSpec spec;

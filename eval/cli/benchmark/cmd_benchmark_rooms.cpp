@@ -5,6 +5,7 @@
 #include "eval/cli/arguments.h"
 #include "eval/cli/benchmark/cmd_benchmark.h"
 #include "eval/estimate/estimator_comparison.h"
+#include "eval/frames/image_estimator.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
 #include "eval/summary/result_files.h"
@@ -20,7 +21,7 @@ namespace {
 struct RoomsArguments {
   TrainingSetChoice objects;
   std::string estimator = "descriptor:accurate";
-  double min_score = EstimatorSpec().min_score;
+  double min_score = kMinImageScore;
   std::string out;
   RoomsOptions rooms;
 };

@@ -21,7 +21,7 @@ TEST(TrainVerifier, LearnsASeparableRuleAndRefusesOneSidedExamples) {
   }
   examples.held_out_from = 1200;
   VerifierOptions options;
-  options.iterations = 400;
+  options.iterations = 800;
   const TrainedNetwork trained = TrainVerifier(examples, options, 0);
   EXPECT_GT(trained.auc, 0.95);
   VerifyFeatures right{};

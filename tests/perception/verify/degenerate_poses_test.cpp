@@ -247,7 +247,7 @@ TEST(DegenerateContact, FlatObjectsPenetrateNothing) {
     EXPECT_LT(itself, 0.1 * model.diameter_m) << test.name;  // its points are on its surface
     const Pose X_CO = kInFront * Translation(-model.center_O.cast<double>());
     const double depth_m = PenetrationDepth(model, X_CO, bracket, kInFront);
-    EXPECT_TRUE(depth_m >= 0 && depth_m <= bracket.radius_m) << test.name;
+    EXPECT_TRUE(depth_m >= 0 && depth_m <= bracket.radius_m + model.radius_m) << test.name;
     EXPECT_EQ(depth_m, PenetrationDepth(bracket, kInFront, model, X_CO)) << test.name;
     EXPECT_EQ(PenetrationDepth(model, X_CO, bracket, Translation({1e30, 0, 0})), 0) << test.name;
     EXPECT_EQ(PenetrationDepth(model, Translation({nan, 0, 0}), bracket, kInFront), 0) << test.name;
