@@ -91,6 +91,7 @@ int TrainVerifierCommand(int argc, char** argv) {
   // There are ten times as many candidates as for one object. They need more steps and cannot be
   // learned by heart.
   arguments.training.verifier.iterations = 20000;
+  arguments.training.verifier.networks = 1;  // benchmarked so
   arguments.training.verifier.weight_decay = 1e-5;
   std::vector<std::string> settings;
   app.add_option("--from", arguments.model, "descriptor model; rooms of all its objects are used")
@@ -108,7 +109,7 @@ int TrainVerifierCommand(int argc, char** argv) {
                  "random seed; the same seed gives the same file")
       ->capture_default_str();
   app.add_option("--set", settings,
-                 "change a training setting: KEY=VALUE; verifier_room_scenes, views_per_scene, "
+                 "change a training setting: KEY=VALUE; verifier_room_scenes, "
                  "verifier_entries, verifier.*, candidates.* and fast_candidates.* have an effect")
       ->allow_extra_args(false);
   app.footer("Example: pickbed train verifier --set verifier_room_scenes=20");

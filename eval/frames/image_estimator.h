@@ -14,7 +14,8 @@
 namespace pickbed::eval {
 
 // Default minimum score of a pose in an image without a scenario. It is higher than in a scenario,
-// whose bin is known: the surroundings give more wrong poses. See docs/pages/benchmarks_rooms.md.
+// whose bin is known: unknown surroundings give more wrong poses. See
+// docs/pages/benchmarks_rooms.md.
 inline constexpr double kMinImageScore = 0.6;
 
 struct ImageEstimatorSetup {

@@ -56,8 +56,8 @@ void Fit(VerifierModule& net, const at::Tensor& x, const at::Tensor& y,
 
 void VerifierOptions::Visit(SettingsVisitor& v) {
   v.Integer("hidden", hidden, {1, 1024}, "number of hidden units of all networks together");
-  v.Integer("networks", networks, {1, static_cast<double>(std::clamp(hidden, 1, 1024))},
-            "number of networks whose logits are averaged; at most hidden");
+  v.Integer("networks", networks, {1, 1024},
+            "number of networks whose logits are averaged; at most one per hidden unit");
   v.Integer("iterations", iterations, {1, 1000000}, "number of steps of each network");
   v.Integer("batch", batch, {1, 1000000}, "examples per step");
   v.Real("learning_rate", learning_rate, {1e-6, 1}, "learning rate of Adam");
@@ -88,10 +88,11 @@ TrainedNetwork TrainVerifier(const VerifierExamples& examples, const VerifierOpt
   network.w1.resize(options.hidden, kVerifyFeatures);
   network.b1.resize(options.hidden);
   network.w2.resize(options.hidden);
-  const auto share = 1 / static_cast<float>(options.networks);
-  for (int n = 0; n < options.networks; ++n) {
-    const int first = options.hidden * n / options.networks;
-    const int units = options.hidden * (n + 1) / options.networks - first;
+  const int networks = std::min(options.networks, options.hidden);
+  const auto share = 1 / static_cast<float>(networks);
+  for (int n = 0; n < networks; ++n) {
+    const int first = options.hidden * n / networks;
+    const int units = options.hidden * (n + 1) / networks - first;
     VerifierModule net(units);
     Fit(net, (x - mean) / scale, y.slice(0, 0, kept), options);
     network.w1.block(first, 0, units, kVerifyFeatures) = ToMatrix(net.first->weight);

@@ -41,8 +41,8 @@ struct TrainedVerifier {
 
 // Trains several small networks with the unweighted cross-entropy, so that each output estimates
 // P(right). They differ in their first weights and in the order of the examples. The mean of their
-// logits has a smaller variance than one larger network (bagging without resampling; Breiman,
-// "Bagging Predictors", Machine Learning 1996). It is itself a network with one hidden layer.
+// logits varies less between seeds than the logit of one network (Hansen and Salamon, "Neural
+// Network Ensembles", IEEE TPAMI 1990). It is itself a network with one hidden layer.
 // Throws InputError if the training examples are all right or all wrong.
 TrainedNetwork TrainVerifier(const VerifierExamples& examples, const VerifierOptions& options,
                              uint64_t seed);

@@ -49,7 +49,7 @@ VoteDensity::VoteDensity(const PoseEmbedding& embedding, const Eigen::Vector3d& 
 
 // Far votes share the outermost cells; their distance separates them.
 Eigen::Array3i VoteDensity::Index(const Eigen::Vector3f& com_C) const {
-  constexpr float kLargest = 1 << 20;  // see CellOf()
+  constexpr float kLargest = (1 << 20) - 2;  // with its neighbours, see CellOf()
   return (com_C / reach_m_).array().floor().max(-kLargest).min(kLargest).cast<int>();
 }
 

@@ -34,6 +34,15 @@ bool SpanAVolume(const std::vector<Eigen::Vector3d>& points) {
   return box.sizes().minCoeff() > kThinnest * box.sizes().maxCoeff();
 }
 
+// Returns whether the word is one finite number.
+bool IsNumber(const std::string& word) {
+  std::istringstream text(word);
+  text.imbue(std::locale::classic());
+  double number = 0;
+  return text >> number && text.peek() == std::istringstream::traits_type::eof() &&
+         std::isfinite(number);
+}
+
 }  // namespace
 
 std::vector<ConvexPiece> LoadConvexPieces(const std::filesystem::path& path,
@@ -64,10 +73,9 @@ std::vector<ConvexPiece> LoadConvexPieces(const std::filesystem::path& path,
       Eigen::Vector3d v;
       words >> v.x() >> v.y() >> v.z();
       check(!words.fail() && v.allFinite(), "'v' needs three numbers");
-      std::string rest;
-      words >> rest;
-      check(rest.empty() || rest.front() == '#',
-            fmt::format("'{}' follows the three numbers of 'v'", OneLine(rest)));
+      for (std::string more; words >> more && more.front() != '#';) {  // a weight or a colour
+        check(IsNumber(more), fmt::format("'{}' follows the three numbers of 'v'", OneLine(more)));
+      }
       check(v.cwiseAbs().maxCoeff() < kMaxCoordinate,
             fmt::format("a coordinate is {:g} or more", kMaxCoordinate));
       check(!pieces.empty(), "a vertex precedes the first 'o' line");

@@ -80,8 +80,8 @@ TEST(TrainVerifier, HiddenUnitsThatCannotBeSharedEquallyAreAllUsed) {
   const VerifierNetwork network = TrainVerifier(NoisyExamples(), options, 0).network;
   ASSERT_EQ(network.w1.rows(), 7);
   for (int unit = 0; unit < 7; ++unit) EXPECT_NE(network.w2[unit], 0);
-  options.networks = 8;
-  EXPECT_THROW(TrainVerifier(NoisyExamples(), options, 0), InputError);
+  options.networks = 8;  // more than there are units
+  EXPECT_EQ(TrainVerifier(NoisyExamples(), options, 0).network.w1.rows(), 7);
 }
 
 }  // namespace

@@ -23,6 +23,17 @@ TEST(LoadConvexPieces, ReadsEachGroupInItsUnit) {
   EXPECT_TRUE(pieces[1].vertices_O[4].isApprox(Eigen::Vector3d(0.003, 0.001, 0.001)));
 }
 
+// Other programs write the weight or the colour of a vertex behind its place.
+TEST(LoadConvexPieces, FurtherNumbersOfAVertexAreSkipped) {
+  const TemporaryFolder folder;
+  const auto path = folder.Write(
+      "convex.obj", "o a\nv 0 0 0 1\nv 1 0 0 0.5 0.5 1  # blue\nv 0 1 0 1 0 0\nv 0 0 1\n");
+  const std::vector<ConvexPiece> pieces = LoadConvexPieces(path);
+  ASSERT_EQ(pieces.size(), 1u);
+  ASSERT_EQ(pieces[0].vertices_O.size(), 4u);
+  EXPECT_EQ(pieces[0].vertices_O[1], Eigen::Vector3d(1, 0, 0));
+}
+
 TEST(LoadConvexPieces, ErrorsHoldTheFaultyLine) {
   const TemporaryFolder folder;
   struct {
