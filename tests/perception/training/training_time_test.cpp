@@ -155,8 +155,8 @@ TEST(TrainingTime, TooShortLimitDoesTheSmallestAmount) {
   // One held-out scene, at least one scene of the network, four with a bin and four rooms.
   EXPECT_GE(timed.scenes, 10);
   EXPECT_LE(timed.scenes, 13);
-  // One view of each of the four clutter scenes, the begin of the rooms, and all but the last of the
-  // four rooms, which have one view each.
+  // One view of each of the four clutter scenes, the begin of the rooms, and all but the last of
+  // the four rooms, which have one view each.
   EXPECT_EQ(timed.reports, 8);
 }
 
