@@ -75,12 +75,23 @@ class Runner {
   double working_distance_m() const { return estimator_->working_distance_m(); }
 
   void Run(const RgbdFrame& frame, const ImageTruth& image, const ImageTargets& targets,
-           DatasetEstimate place, Rng& rng, std::vector<DatasetEstimate>& estimates) {
+           DatasetEstimate place, Rng& rng, DatasetEstimates& estimates, DatasetImageNote& note) {
     const auto start = std::chrono::steady_clock::now();
     EstimatorInput input{frame, Background(image), nullptr, Instances(targets)};
     input.is_first = std::exchange(is_first_, false);
+    const int empty_before = empty_regions_;
     const EstimateResult result = EstimateIn(input, image, rng);
-    if (result.failure) Warn(place, *result.failure);
+    if (empty_regions_ > empty_before) {
+      note.warnings.push_back("the region of interest has no depth reading");
+    }
+    if (result.failure) {
+      Warn(place, *result.failure);
+      note.warnings.push_back(result.failure->text);
+    }
+    note.poses = result.hypotheses.size();
+    note.has_background = result.has_background;
+    note.warnings.insert(note.warnings.end(), result.domain_warnings.begin(),
+                         result.domain_warnings.end());
     ++images_;
     without_background_ += !result.has_background;
     outside_domain_ += !result.domain_warnings.empty();
@@ -93,7 +104,7 @@ class Runner {
       place.object_id = object_ids_[hypothesis.object];
       place.score = hypothesis.score;
       place.X_CO = hypothesis.X_CO;
-      estimates.push_back(place);
+      estimates.estimates.push_back(place);
     }
   }
 
@@ -183,6 +194,15 @@ class FrameDoubts {
   void RegisterColorOf(const DatasetEstimate& place, RgbdFrame& frame) const {
     const auto found = findings_.find({place.scene_id, place.image_id});
     if (found != findings_.end()) RegisterColor(found->second, frame);
+  }
+
+  // Returns what was found in one image.
+  std::vector<std::string> TextsOf(const DatasetEstimate& place) const {
+    std::vector<std::string> texts;
+    const auto found = findings_.find({place.scene_id, place.image_id});
+    if (found == findings_.end()) return texts;
+    for (const FrameFinding& finding : found->second) texts.push_back(finding.text);
+    return texts;
   }
 
   // Throws InputError if no image is usable. An image without readings is only skipped.
@@ -324,7 +344,9 @@ void EstimateDataset(const fs::path& root, const std::string& split,
         const bool sees = HasReadings(frame.depth_m);
         if (!runner && sees) runner.emplace(std::move(objects), options, frame, on_progress);
         Rng rng = RngOf(options, place);
-        if (sees) runner->Run(frame, image, image_targets, place, rng, result.estimates);
+        DatasetImageNote note{place.scene_id, place.image_id, 0, false, doubts.TextsOf(place)};
+        if (sees) runner->Run(frame, image, image_targets, place, rng, result, note);
+        result.notes.push_back(std::move(note));
         ++result.done;
         if (on_progress) {
           on_progress({fmt::format("scene {} image {}", place.scene_id, place.image_id),

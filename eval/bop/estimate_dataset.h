@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/bop/image_notes.h"
 #include "eval/bop/results_csv.h"
 #include "eval/explain/explain.h"
 #include "scenes/bin/bin.h"
@@ -48,8 +49,9 @@ struct EstimateDatasetProgress {
 // Estimates in the images of a dataset, also if the work ended early.
 struct DatasetEstimates {
   std::vector<DatasetEstimate> estimates;
+  std::vector<DatasetImageNote> notes;  // of the images done
   size_t images = 0;  // target images
-  size_t done = 0;    // images whose estimates are in `estimates`
+  size_t done = 0;    // their estimates are in `estimates`
 };
 
 // Estimates poses in every target image. In localisation on a BOP19 image, it returns poses of the

@@ -284,6 +284,7 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
   const std::string name =
       fmt::format("{}_{}-{}", spec.estimator.name, DataSetName(bop.path), bop.split);
   const std::filesystem::path csv = folder / (name + ".csv");
+  const std::filesystem::path images = folder / (name + ".images.csv");
   const std::filesystem::path partial = folder / (name + ".partial.csv");
   MakeFolder(folder);
   CatchInterrupts();
@@ -292,6 +293,7 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
   const auto keep = [&]() -> std::string {
     if (result.done == 0) return "no image was processed";
     WriteFileAtomically(partial, WriteEstimates(result.estimates));
+    WriteFileAtomically(images, DatasetImagesCsv(result.notes));
     return fmt::format("the estimates of {} of {} images are in {}", result.done, result.images,
                        partial.string());
   };
@@ -318,6 +320,7 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
     fmt::print(stderr, "pickbed: interrupted; {}\n", keep());
     return kExitInterrupted;
   }
+  WriteFileAtomically(images, DatasetImagesCsv(result.notes));
   WriteFileAtomically(csv, WriteEstimates(result.estimates));
   std::error_code none;
   std::filesystem::remove(partial, none);

@@ -10,22 +10,27 @@
 
 namespace pickbed::eval {
 
+// Reflections of the depth image.
+enum class DepthFlip { kNone, kColumns, kRows, kBoth };
+
 // Where the depth edges fit the colour edges best.
 struct EdgeAlignment {
   Eigen::Vector2d shift_px{0, 0};  // of the depth, at the principal point
   double scale = 1;                // of the depth about the principal point
-  // Mean brightness gradient under the depth edges above the mean of all places, relative to the
-  // best place: 1 = the depth fits best where it is, 0 = as anywhere.
+  DepthFlip flip = DepthFlip::kNone;
+  // Agreement of the edges where they are, relative to the best place: 1 = the depth fits best
+  // where it is, 0 = as anywhere.
   double fit_here = 1;
 
   // Movement of a corner of the image to its best place, px.
   double CornerShift_px(const CameraIntrinsics& camera) const;
 };
 
-// Searches shifts up to 40 px and scales from 0.8 to 1.25. A scale other than 1 means that depth
-// was registered with other intrinsics. Without a scale, the shift is refined to one pixel. Returns
-// nullopt if the frame has no colour, few depth edges or no place that is clearly better than
-// others, so that nothing can be said.
+// Compares position and direction of the edges. Searches shifts up to 40 px and scales from 0.8 to
+// 1.25. A scale other than 1 means that depth was registered with other intrinsics. Without a
+// scale, the shift is refined to one pixel. If no place is clearly better than others, it searches
+// reflected depth images. Returns nullopt if there is no clear place either, if the frame has no
+// colour or few depth edges, so that nothing can be said.
 std::optional<EdgeAlignment> AlignEdges(const RgbdFrame& frame);
 
 }  // namespace pickbed::eval

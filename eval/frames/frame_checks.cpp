@@ -108,9 +108,21 @@ void CheckPrincipalPoint(const CameraIntrinsics& k, std::vector<FrameFinding>& f
 }
 
 void CheckEdges(const RgbdFrame& frame, std::vector<FrameFinding>& findings) {
-  constexpr double kMinFit = 0.7, kMinCornerShift_px = 6;
+  constexpr double kMinFit = 0.9, kMinCornerShift_px = 6;
   const std::optional<EdgeAlignment> found = AlignEdges(frame);
   if (!found || found->fit_here >= kMinFit) return;
+  constexpr const char* kCheck =
+      "check that depth is registered to this colour image with its intrinsics";
+  if (found->flip != DepthFlip::kNone) {
+    const char* how = found->flip == DepthFlip::kColumns ? "mirrored left to right"
+                      : found->flip == DepthFlip::kRows  ? "mirrored top to bottom"
+                                                         : "turned by 180 degrees";
+    findings.push_back({FrameFault::kEdges, false,
+                        fmt::format("the depth edges contradict the colour edges: they fit when "
+                                    "the depth image is {}; give both images in one orientation",
+                                    how)});
+    return;
+  }
   if (found->CornerShift_px(frame.intrinsics) < kMinCornerShift_px) return;
   const bool is_shift = found->scale == 1;
   const std::string remedy = is_shift ? "; the colour image is moved accordingly"
@@ -118,9 +130,8 @@ void CheckEdges(const RgbdFrame& frame, std::vector<FrameFinding>& findings) {
   FrameFinding finding{
       FrameFault::kEdges, false,
       fmt::format("the depth edges contradict the colour edges: they fit when moved by ({:.0f}, "
-                  "{:.0f}) px{}; check that depth is registered to this colour image with its "
-                  "intrinsics",
-                  found->shift_px.x(), found->shift_px.y(), remedy)};
+                  "{:.0f}) px{}; {}",
+                  found->shift_px.x(), found->shift_px.y(), remedy, kCheck)};
   if (is_shift) finding.color_move_px = (-found->shift_px).array().round().matrix().cast<int>();
   findings.push_back(std::move(finding));
 }

@@ -7,6 +7,7 @@
 #include "eval/benchmark/crops_report.h"
 #include "eval/benchmark/recognition.h"
 #include "eval/benchmark/rooms.h"
+#include "eval/bop/image_notes.h"
 #include "eval/bop/layout.h"
 #include "eval/bop/results_csv.h"
 #include "eval/budget/report.h"
@@ -168,9 +169,9 @@ ResultPage MeasurementsPage() {
         {Plain(kComparisonPage, "both runs side by side"),
          Json("JSON file", "paired differences", ComparisonKeys())}},
        {"pickbed estimate",
-        fmt::format(
-            "With `--bop`, only the results file. With `--explain`, `{}` with its pictures.",
-            ExplainPageName("IMAGE")),
+        fmt::format("With `--bop`, only the results file and the file about its images. With "
+                    "`--explain`, `{}` with its pictures.",
+                    ExplainPageName("IMAGE")),
         {Plain(kComparisonPage, "page with charts and the first bins"),
          Csv(kComparisonFile, "one line per estimator, and one per estimator and object",
              EstimatorComparisonColumns()),
@@ -178,7 +179,9 @@ ResultPage MeasurementsPage() {
          Csv(kInstancesFile, "one line per estimator and instance in view of each image",
              EstimatedInstancesColumns()),
          Csv("ESTIMATOR_DATASET-SPLIT.csv", "with --bop: results in BOP's format",
-             EstimateColumns())}},
+             EstimateColumns()),
+         Csv("ESTIMATOR_DATASET-SPLIT.images.csv", "with --bop: one line per image",
+             DatasetImageColumns())}},
        {"pickbed estimate IMAGE",
         "Poses are in the camera frame.",
         {Plain(kOverlayFile, "the image with the outline and the score of each pose"),

@@ -93,6 +93,7 @@ PY
   local partial=poses/process_set-test.partial.csv
   expect 0 "${estimate[@]}"
   [ "$(wc -l <poses/process_set-test.csv)" = 4 ] || fail "not one pose in each image"
+  [ "$(cut -d, -f3 poses/process_set-test.images.csv | tr '\n' ' ')" = "poses 1 1 1 " ] || fail "other numbers of poses in the list of images"
   [ -e $partial ] && fail "partial results of a complete run"
   mv poses whole
 

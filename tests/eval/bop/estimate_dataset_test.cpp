@@ -101,12 +101,32 @@ TEST_F(EstimateDatasetTest, AnImageWithoutReadingsIsSkippedWithAWarning) {
               testing::Contains(testing::AllOf(HasSubstr("image 1/0"), HasSubstr("2 images"))));
 }
 
+TEST_F(EstimateDatasetTest, TheNotesNameTheWarningsOfTheirImageOnly) {
+  FillDepth(1, 0);
+  const DatasetEstimates result = Run();
+  ASSERT_EQ(result.notes.size(), kImages);
+  size_t poses = 0;
+  for (const DatasetImageNote& note : result.notes) {
+    poses += note.poses;
+    const bool is_empty = note.image_id == 1;
+    const auto no_reading = testing::Contains(HasSubstr("no pixel of the depth image"));
+    EXPECT_EQ(testing::Matches(no_reading)(note.warnings), is_empty) << note.image_id;
+    EXPECT_EQ(note.has_background, !is_empty) << note.image_id;
+  }
+  EXPECT_EQ(poses, result.estimates.size());
+  EXPECT_THAT(DatasetImagesCsv(result.notes),
+              testing::StartsWith("scene_id,im_id,poses,background_recognised,warnings\n1,0,"));
+}
+
 TEST_F(EstimateDatasetTest, ARegionWithoutReadingsIsReported) {
   EstimateDatasetOptions options = Options();
   options.region = ParseRegion("camera:9,9,9,10,10,10");
   std::vector<std::string> warnings;
   options.on_warning = [&](const std::string& line) { warnings.push_back(line); };
-  EXPECT_TRUE(Run(options).estimates.empty());
+  const DatasetEstimates outside = Run(options);
+  EXPECT_TRUE(outside.estimates.empty());
+  EXPECT_THAT(outside.notes.at(0).warnings,
+              testing::Contains("the region of interest has no depth reading"));
   EXPECT_THAT(warnings, testing::Contains(HasSubstr(
                             fmt::format("has no depth reading in {0} of {0} images", kImages))));
   warnings.clear();

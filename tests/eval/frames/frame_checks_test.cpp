@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "eval/frames/edge_alignment.h"
 #include "eval/frames/frame_files.h"
@@ -133,6 +135,24 @@ TEST(RegisterColor, UndoesAShiftButNoScale) {
   EXPECT_TRUE(scaled.front().color_move_px.isZero());
 }
 
+TEST(CheckFrame, AReflectedDepthImageContradictsTheColourEdges) {
+  for (const auto& [columns, rows, text] : {std::tuple{true, false, "mirrored left to right"},
+                                            {false, true, "mirrored top to bottom"},
+                                            {true, true, "turned by 180 degrees"}}) {
+    const RgbdFrame frame = Blocks();
+    RgbdFrame other = frame;
+    for (int y = 0; y < 240; ++y) {
+      for (int x = 0; x < 320; ++x) {
+        other.depth_m(x, y) = frame.depth_m(columns ? 319 - x : x, rows ? 239 - y : y);
+      }
+    }
+    const auto findings = CheckFrame(other, OneCube(0.05), 1);
+    ASSERT_EQ(findings.size(), 1u) << text;
+    EXPECT_THAT(findings.front().text, HasSubstr(text));
+    EXPECT_TRUE(findings.front().color_move_px.isZero());
+  }
+}
+
 TEST(AlignEdges, SaysNothingWithoutEdges) {
   RgbdFrame frame = Blocks();
   frame.color = {};
@@ -147,7 +167,7 @@ TEST(AlignEdges, SaysNothingWithoutEdges) {
 
 TEST(AlignEdges, RealFramesFitWhereTheyAre) {
   const std::filesystem::path data = PICKBED_TEST_DATA;
-  int measured = 0;  // frames whose moved colour has edges to compare
+  int measured = 0;  // planted faults that were found
   for (const char* frame : {"bop_icbin_mini/test/000001", "bop_icbin_mini/test/000005",
                             "bop_icbin_mini/test/000007", "bop_ycbv_mini/test/000001"}) {
     const std::filesystem::path scene = data / frame;
@@ -162,21 +182,37 @@ TEST(AlignEdges, RealFramesFitWhereTheyAre) {
            CheckFrame(read.frame, OneCube(0.08), read.depth_scale_mm)) {
         ADD_FAILURE() << frame << ": " << finding.text;
       }
-      // A planted fault: colour that is 20 px to the right.
-      RgbdFrame moved = read.frame;
-      for (int y = 0; y < moved.color.height(); ++y) {
-        for (int x = 20; x < moved.color.width(); ++x) {
-          moved.color(x, y) = read.frame.color(x - 20, y);
+      // Planted faults: colour that is farther to the right, and reflected depth.
+      for (const int shift_px : {8, 20, 32}) {
+        RgbdFrame moved = read.frame;
+        for (int y = 0; y < moved.color.height(); ++y) {
+          for (int x = shift_px; x < moved.color.width(); ++x) {
+            moved.color(x, y) = read.frame.color(x - shift_px, y);
+          }
         }
+        const auto found = AlignEdges(moved);
+        if (!found) continue;
+        ++measured;
+        EXPECT_LT(found->fit_here, 0.9) << frame;
+        EXPECT_EQ(found->scale, 1) << frame;
+        EXPECT_EQ(found->flip, DepthFlip::kNone) << frame;
+        EXPECT_NEAR(found->shift_px.x(), shift_px, 3) << frame;
+        EXPECT_NEAR(found->shift_px.y(), 0, 3) << frame;
       }
-      const auto found = AlignEdges(moved);
+      RgbdFrame mirrored = read.frame;
+      for (int y = 0; y < mirrored.depth_m.height(); ++y) {
+        float* row = mirrored.depth_m.row(y);
+        std::reverse(row, row + mirrored.depth_m.width());
+      }
+      const auto found = AlignEdges(mirrored);
       if (!found) continue;
       ++measured;
-      EXPECT_LT(found->fit_here, 0.7) << frame;
+      EXPECT_EQ(found->flip, DepthFlip::kColumns) << frame;
     }
     EXPECT_GT(images, 0) << frame;
   }
-  EXPECT_GT(measured, 0);
+  // The frame of ycbv shows few objects, so nothing can be said of it.
+  EXPECT_EQ(measured, 3 * 4);
 }
 
 }  // namespace

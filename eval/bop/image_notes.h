@@ -1,0 +1,30 @@
+#pragma once
+
+// What an estimator met in each image of a data set, as a CSV file beside the results file. It
+// tells which images to doubt.
+
+#include <string>
+#include <vector>
+
+#include "eval/layer.h"
+#include "eval/metrics/result_columns.h"
+
+namespace pickbed::eval {
+
+struct DatasetImageNote {
+  int scene_id = 0;
+  int image_id = 0;
+  size_t poses = 0;
+  // False if the estimator looked for a table, floor or bin and recognised none, and in an image
+  // without depth readings.
+  bool has_background = false;
+  // Of CheckFrame(), of the region of interest and of the estimator, one sentence each.
+  std::vector<std::string> warnings;
+};
+
+// Returns the text of the file: one line per image.
+std::string DatasetImagesCsv(const std::vector<DatasetImageNote>& images);
+// Returns the columns of the file.
+ResultColumns DatasetImageColumns();
+
+}  // namespace pickbed::eval
