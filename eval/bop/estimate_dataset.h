@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "eval/bop/image_notes.h"
 #include "eval/bop/results_csv.h"
 #include "eval/explain/explain.h"
+#include "eval/frames/image_notes.h"
 #include "scenes/bin/bin.h"
 #include "scenes/scenario/region_spec.h"
 #include "scenes/scenario/scenario_spec.h"
@@ -50,8 +50,8 @@ struct EstimateDatasetProgress {
 struct DatasetEstimates {
   std::vector<DatasetEstimate> estimates;
   std::vector<DatasetImageNote> notes;  // of the images done
-  size_t images = 0;  // target images
-  size_t done = 0;    // their estimates are in `estimates`
+  size_t images = 0;                    // target images
+  size_t done = 0;                      // their estimates are in `estimates`
 };
 
 // Estimates poses in every target image. In localisation on a BOP19 image, it returns poses of the

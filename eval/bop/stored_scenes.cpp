@@ -72,7 +72,7 @@ PosedObject InstanceOf(const ParsedJson& entry, const ObjectSet& objects, const 
   if (const std::string wrong = RotationFault(ToMatrix3(*R)); !wrong.empty()) {
     (place / "'R'").Fault(wrong);
   }
-  // The file has all digits of a rotation, so that it is no published one, which is rounded.
+  // The rotations of published data sets are rounded, but this file has all their digits.
   if (!ToMatrix3(*R).isUnitary(kMaxRotationError)) {
     (place / "'R'").Fault("is no rotation, but was written with all digits");
   }

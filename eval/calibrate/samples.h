@@ -30,7 +30,7 @@ CalibrationSamples SamplesOf(const std::vector<TrialResult>& trials);
 // Reads the samples of a run. `configuration`: number of the configuration of a sweep; none = the
 // only one. Throws InputError if the folder has no results, for a sweep without a number, for a run
 // without poses, with the oracle, with stages replaced by ground truth, or with a calibration.
-// Throws it also for a damaged trial, with the names of the store, the table and the trial.
+// A damaged trial is refused in the same way, with the names of the store, the table and the trial.
 CalibrationSamples ReadSamples(const std::filesystem::path& run,
                                std::optional<int> configuration = std::nullopt);
 

@@ -60,8 +60,8 @@ struct ExecutionReport {
 // Executes the picks of every image of the split. `spec` is the scenario of the data set
 // (stored_scenario.yaml) with the gripper, planner and policy to use. Forks, see RunInWorkers.
 // Throws InputError for a data set without stored scenes, and for a results file that is broken or
-// not of this data set. Throws it also for an output folder that holds picks of other inputs, or
-// picks while `resume` is not set. Nothing stored is lost then.
+// not of this data set. An output folder is refused in the same way if it holds picks of other
+// inputs, or picks while `resume` is not set. Nothing stored is lost then.
 ExecutionReport ExecuteResults(const ScenarioSpec& spec, const ObjectSet& objects,
                                const ExecutionOptions& options, const ExecutionListener& listener);
 

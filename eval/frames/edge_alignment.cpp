@@ -176,7 +176,7 @@ double MeanFit(const std::vector<Place>& places) {
   return sum / static_cast<double>(places.size());
 }
 
-// How much the best place must stand out.
+// Limits of a clear best place.
 struct PeakLimits {
   double min_deviations;  // standard deviations of all fits above their mean
   double max_other;       // fit of another place, relative to the best one
@@ -188,7 +188,7 @@ struct PeakLimits {
 // objects has no clear place.
 constexpr PeakLimits kAllScales{4.5, 0.8}, kOneScale{4.0, 0.6};
 
-// Returns the best place if it stands out.
+// Returns the best place if it is clear.
 std::optional<Place> ClearPeak(const CameraIntrinsics& camera, const std::vector<Place>& places,
                                const PeakLimits& limits) {
   constexpr double kOther_px = 20;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -44,7 +45,8 @@ void AddNumbers(const SettingsTree& node, std::vector<double>& numbers) {
     for (const SettingsTree& item : node.items) AddNumbers(item, numbers);
     return;
   }
-  if (node.text == "~" || node.text == "null") return;
+  constexpr std::array kNothing = {"", "~", "null", "Null", "NULL", "none", "None"};
+  if (std::ranges::find(kNothing, node.text) != kNothing.end()) return;
   const auto found = NumbersIn(node.text);
   CheckInput(found.has_value(), fmt::format("{}: '{}' is no number", node.place, node.text));
   numbers.insert(numbers.end(), found->begin(), found->end());
@@ -90,8 +92,9 @@ void TakeMatrix(const std::vector<double>& k, const std::string& name, GivenIntr
   given.cx = by_columns ? k[6] : k[2];
   given.cy = by_columns ? k[7] : k[5];
   const double skew = by_columns ? k[3] : k[1];
+  const double opposite = by_columns ? k[1] : k[3];
   const double rest = by_columns ? 0 : std::max(std::abs(k[6]), std::abs(k[7]));
-  CheckInput(skew == 0 && k[3 - 2 * by_columns] == 0 && rest == 0 && k[8] == 1,
+  CheckInput(skew == 0 && opposite == 0 && rest == 0 && k[8] == 1,
              name + ": the camera matrix is not fx 0 cx 0 fy cy 0 0 1; give such a matrix");
 }
 

@@ -89,8 +89,9 @@ GraspFile ReadGraspsCsv(const std::string& text, const std::string& name) {
     for (const char* column : {"robust", "confidence"}) {
       if (columns.contains(column)) grasp.confidence = number_of(column);
     }
+    // Columns of the files of this program that are not used. Those of others may be empty.
     for (const char* column : {"depth_m", "quality", "epsilon"}) {
-      if (columns.contains(column)) number_of(column);  // not used, but of this program's files
+      if (columns.contains(column) && !cells[columns[column]].empty()) number_of(column);
     }
     if (columns.contains("width_m")) grasp.width_m = std::max(0.0, number_of("width_m"));
   }

@@ -123,14 +123,19 @@ std::string TrialList(const std::filesystem::path& run) {
   const std::vector<SettingsCounts> counts = SettingsCountsOf(store.head(), run);
   std::map<int, std::string> lines;
   store.ForEach([&](const TrialResult& trial) {
-    CheckTrial(trial, counts.at(static_cast<size_t>(trial.configuration)),
-               (run / kStoreFile).string());
+    std::string status = kFinished;
+    try {
+      CheckTrial(trial, counts.at(static_cast<size_t>(trial.configuration)),
+                 (run / kStoreFile).string());
+    } catch (const InputError& error) {
+      status = fmt::format("damaged: {}", error.what());
+    }
     const auto successes = std::count_if(
         trial.attempts.begin(), trial.attempts.end(), [](const AttemptRecord& record) {
           return record.grasp && record.failure == FailureReason::kNone;
         });
     lines[trial.trial] = fmt::format(kTrialListRow, trial.trial, trial.bin_index,
-                                     trial.attempts.size(), successes, kFinished);
+                                     trial.attempts.size(), successes, status);
   });
   for (const CrashedTrial& trial : store.Crashed()) {
     lines[trial.trial] = fmt::format(kTrialListRow, trial.trial, trial.bin_index, 0, 0, kCrashed);

@@ -192,9 +192,10 @@ ObstacleField::ObstacleField(std::vector<Vector3d> points_W, std::vector<int> gr
 }
 
 int ObstacleField::Column(double x, double y) const {
-  const int column = std::clamp(int(std::floor((x - corner_.x()) / cell_m_)), 0, columns_ - 1);
-  const int row = std::clamp(int(std::floor((y - corner_.y()) / cell_m_)), 0, rows_ - 1);
-  return row * columns_ + column;
+  const auto cell = [&](double offset_m, int count) {
+    return static_cast<int>(std::clamp(std::floor(offset_m / cell_m_), 0.0, count - 1.0));
+  };
+  return cell(y - corner_.y(), rows_) * columns_ + cell(x - corner_.x(), columns_);
 }
 
 template <typename Visit>
@@ -204,6 +205,7 @@ bool ObstacleField::AnyNear(const Pose& X_WG, const AxisAlignedBox& box_G, doubl
   const Vector3d half_size = (box_G.half_size.array() + margin_m).max(0);
   const Vector3d reach = X_WG.linear().cwiseAbs() * half_size;
   const Vector3d low = center - reach, high = center + reach;
+  if (!low.allFinite() || !high.allFinite()) return false;  // nowhere
   const int first = Column(low.x(), low.y()), last = Column(high.x(), high.y());
   const Eigen::Matrix3d R_GW = X_WG.linear().transpose();
   for (int row = first / columns_; row <= last / columns_; ++row) {

@@ -27,9 +27,9 @@ class HiddenSpace {
   double HiddenVolume_m3(std::span<const AxisAlignedBox> boxes_G, const Pose& X_BG,
                          double step_m) const;
 
-  // Returns the hidden volume of the boxes of HandSweep() by the area of its fingers, or of the
-  // stem of a cup, across the approach: their mean depth in hidden space, m. 0 for a palm without
-  // them.
+  // Returns the mean depth of the fingers, or of the stem of a cup, in hidden space, m: the hidden
+  // volume of the boxes of HandSweep(), divided by the area of the fingers or the stem across the
+  // approach. 0 for a hand without fingers or stem.
   double MeanDepth_m(std::span<const AxisAlignedBox> sweep_G, const Pose& X_BG,
                      double step_m) const;
 

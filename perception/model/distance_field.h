@@ -56,8 +56,8 @@ struct DistanceField {
 };
 
 // Builds the field from finite surface samples (at least one). The grid has at most `nodes` nodes
-// along its longest axis (at least 4) and extends `padding_m` beyond the samples. It must be above
-// 0 for samples at one place. Throws InputError otherwise.
+// along its longest axis (at least 4) and extends `padding_m` beyond the samples. For samples at
+// one place, `padding_m` must be above 0. Throws InputError otherwise.
 DistanceField MakeDistanceField(std::span<const Eigen::Vector3f> samples_O, double padding_m,
                                 int nodes);
 

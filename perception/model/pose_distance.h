@@ -25,7 +25,7 @@ class PoseEmbedding {
   using Point = Eigen::Matrix<float, 24, 1>;
   using Points = Eigen::Matrix<float, 24, Eigen::Dynamic>;  // one point per column
 
-  // Throws InputError for an object of one point.
+  // Throws InputError for an object whose vertices are all at one point.
   explicit PoseEmbedding(const ObjectModel& model);
 
   // Number of discrete symmetries, including the identity.
@@ -52,7 +52,7 @@ class PoseEmbedding {
 // for a continuous symmetry.
 class PoseDistance {
  public:
-  // Throws InputError for an object of one point.
+  // Throws InputError for an object whose vertices are all at one point.
   explicit PoseDistance(const ObjectModel& model);
   double operator()(const Pose& X_CA, const Pose& X_CB) const;
 

@@ -7,9 +7,10 @@ namespace pickbed::perception {
 namespace {
 
 // Returns the pixel that is nearest to the image of p_C. It is outside every image if the image of
-// p_C is far outside, where pixels do not fit into an integer.
+// p_C is far outside, where pixels do not fit into an integer, or is no number.
 Eigen::Vector2i NearestPixel(const CameraIntrinsics& k, const Eigen::Vector3f& p_C) {
   const auto nearest = [](double px) {
+    if (!std::isfinite(px)) return -1;
     return static_cast<int>(std::lround(std::clamp<double>(px, -1, CameraIntrinsics::kMaxSize_px)));
   };
   const Eigen::Vector2d at_px = Project(k, p_C.cast<double>());

@@ -75,7 +75,7 @@ std::string HashOfMeshFiles(const std::filesystem::path& mesh) {
 }
 
 // Returns the file of the mesh in metres. The name contains the hash, so that the content is always
-// the same. The last file of its folder has a hash of the others.
+// the same. A further file of the folder, written last, has a hash of the other files.
 std::filesystem::path MeshFile(const ObjectModel& object, const std::filesystem::path& folder) {
   const TriangleMesh& mesh = object.mesh_O;
   uint64_t hash = HashBytes(mesh.colors.data(), mesh.colors.size() * sizeof(Rgb8), MeshHash(mesh));

@@ -171,7 +171,8 @@ void EstimatorSpec::Visit(SettingsVisitor& v) {
   v.Group(
       "first", [this](SettingsVisitor& g) { first.Visit(g); }, "settings of the mode first");
   v.Real("min_score", min_score, {0, 1},
-         "minimum score of a reported pose, after the calibration; raw scores have no minimum");
+         "minimum score of a reported pose, after the calibration; raw scores have no minimum. "
+         "Images and --bop --explain have the default 0.6, --bop has 0");
   v.Text("calibration", calibration, {},
          "file of `pickbed calibrate`, which converts the scores into probabilities; empty = the "
          "scores are used as they are");

@@ -254,7 +254,7 @@ def memory_case(command, whole, out, duration_s, rng):
     require(status == 0, f"exit status {status} of --resume: {command.error_lines()}")
     require_kept(before, out)
     require_same(out, whole)
-    return f"{killed} workers killed after {moment_s:.2f} s with {len(trials(before))} trials"
+    return killed > 0, f"{killed} workers killed after {moment_s:.2f} s with {len(trials(before))} trials"
 
 
 def two_writers_case(command, whole, out, duration_s, rng):
@@ -272,7 +272,7 @@ def two_writers_case(command, whole, out, duration_s, rng):
     require(0 in status.values(), "both were refused")
     require_same(out, whole)
     refused = command.error_lines("second.txt") or command.error_lines()
-    return f"second after {moment_s:.2f} s{' with --resume' if resume else ''}: {refused}"
+    return len(refused) > 0, f"second after {moment_s:.2f} s{' with --resume' if resume else ''}: {refused}"
 
 
 def lost_node_case(command, whole, out, duration_s, rng):
@@ -377,6 +377,7 @@ def main():
         print("skipped: PICKBED_SLOW_FOLDER does not name the library slow_folder", file=sys.stderr)
         return SKIPPED
     failures = 0
+    met = 0  # cases in which the fault met a working command, of faults that can miss it
     calls = {}  # of an undisturbed command in the shared folder
     with tempfile.TemporaryDirectory(prefix="pickbed_faults_") as name:
         work = pathlib.Path(name)
@@ -400,9 +401,11 @@ def main():
                 if fault == "full_disk":
                     what = disk_case(command, whole, out, size, rng)
                 elif fault == "memory_limit":
-                    what = memory_case(command, whole, out, duration_s, rng)
+                    has_met, what = memory_case(command, whole, out, duration_s, rng)
+                    met += has_met
                 elif fault == "two_writers":
-                    what = two_writers_case(command, whole, out, duration_s, rng)
+                    has_met, what = two_writers_case(command, whole, out, duration_s, rng)
+                    met += has_met
                 elif fault == "lost_node":
                     what = lost_node_case(command, whole, out, duration_s, rng)
                 elif fault == "slow_folder":
@@ -415,6 +418,9 @@ def main():
             except Failed as failed:
                 failures += 1
                 print(f"{fault} {case}: {command.kind}: FAILED: {failed}", flush=True)
+    if fault in ("memory_limit", "two_writers") and met == 0:
+        failures += 1
+        print(f"{fault}: FAILED: no case met a working command", flush=True)
     print(f"{fault}: {cases} cases, {failures} failures")
     return 1 if failures else 0
 

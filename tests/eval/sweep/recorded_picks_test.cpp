@@ -79,7 +79,7 @@ TEST_F(RecordedPicks, HaveTheErrorsAndVerdictsOfTheRun) {
               HasSubstr("matches an instance of ball"));
 }
 
-TEST_F(RecordedPicks, OfADamagedTrialAreRefusedWithItsTable) {
+TEST_F(RecordedPicks, AreRefusedWithTheTableOfADamagedTrial) {
   struct {
     std::string edit, undo, message;
   } const cases[] = {

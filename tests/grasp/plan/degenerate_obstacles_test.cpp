@@ -89,7 +89,7 @@ TEST(DegenerateSweeps, NothingIsInsideOfABoxWithoutVolume) {
   EXPECT_FALSE(AnyInside(Vector3d(1, 0, 0), {&cube, 1})) << "on a face";
 }
 
-TEST(DegenerateBands, OfNoPointContainNothingAndOfEqualPointsABall) {
+TEST(DegenerateBands, ContainNothingWithoutPointsAndABallAroundEqualPoints) {
   constexpr double kWide_m = 0.006;
   const SurfaceBand none(Matrix3Xd(3, 0), kWide_m);
   const Vector3d p(0.1, -0.2, 0.3);
@@ -165,6 +165,11 @@ TEST(DegenerateFields, AnswersEqualAFullScan) {
       EXPECT_FALSE(field.FirstMet(X_WG, boxes, all_ignored, 0.004)) << k;
       EXPECT_EQ(field.Query(X_WG, {}, std::nullopt, none_ignored, kLimit_m).between, 0);
     }
+    for (const double wrong : {std::numeric_limits<double>::infinity(), kNotANumber}) {
+      const Pose nowhere = Translation({0, wrong, 0});
+      EXPECT_FALSE(field.FirstMet(nowhere, boxes, none_ignored, 0.004)) << wrong;
+    }
+    EXPECT_FALSE(field.FirstMet(Translation({1e30, -1e30, 0}), boxes, none_ignored, 0.004));
     EXPECT_EQ(field.CoveredShare(Matrix3Xd(3, 0), none_ignored, 0.004), 0) << "no surface";
   }
   const Matrix3Xd below = p - Vector3d(0, 0, 0.01);

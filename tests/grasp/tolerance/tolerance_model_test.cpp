@@ -229,7 +229,7 @@ TEST(Tolerance, ModelFileNamesTheTerms) {
               testing::HasSubstr("weights.2.term 'y**2'"));
 }
 
-TEST(Tolerance, PosesAndAxesOfAFileMustBeOnes) {
+TEST(Tolerance, WrongPosesAndAxesOfAFileAreRefused) {
   TemporaryFolder folder;
   const auto file = folder.path() / "model.yaml";
   const ToleranceModel sound = PlantedModel({Pose::Identity()}, 500);

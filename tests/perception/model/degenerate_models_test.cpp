@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -161,19 +162,26 @@ TEST(DegenerateViewsOfModels, VisiblePointsExistForEveryPose) {
 
 TEST(DegenerateSeenPoints, AreReadingsOfTheImage) {
   const ModelPoints model = MakeModelPoints(*ObjectOf(BracketMesh()), 400, 60);
+  float nearest_m = std::numeric_limits<float>::max();
+  for (const Eigen::Vector3f& p_O : model.points_O) nearest_m = std::min(nearest_m, p_O.z());
+  const Pose touches_plane = Translation({0, 0, 0.8 - nearest_m});
+  size_t seen = 0;
   for (const DepthCase& test : DepthCases()) {
     const OrganizedCloud cloud = BuildCloud(FrameOf(test), std::nullopt, kKeepAll);
-    for (const Pose& X_CO : {BracketPose(), Translation({0, 0, 0.8}), Pose::Identity(),
-                             Translation({0, 0, -0.8}), Translation({0, 0, 1e30})}) {
+    for (const Pose& X_CO :
+         {BracketPose(), touches_plane, Translation({0, 0, 0.8}), Pose::Identity(),
+          Translation({0, 0, -0.8}), Translation({0, 0, 1e30})}) {
       for (const auto& [point, pixel] : SeenPoints(cloud, model, X_CO)) {
         ASSERT_LT(static_cast<size_t>(point), model.points_O.size()) << test.name;
         ASSERT_LT(static_cast<size_t>(pixel), cloud.points_C.size()) << test.name;
         EXPECT_GT(cloud.depth_m.data()[pixel], 0) << test.name;
+        ++seen;
       }
     }
     if (test.depth_m(160, 120) > 0) continue;
     EXPECT_TRUE(SeenPoints(cloud, model, Translation({0, 0, 0.8})).empty()) << test.name;
   }
+  EXPECT_GT(seen, 0u) << "no case checked a point";
 }
 
 TriangleMesh WithColors(TriangleMesh mesh) {

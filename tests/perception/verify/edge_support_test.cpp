@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "scenes/objects/object_model.h"
 #include "tests/perception/edge_image.h"
 #include "tests/support/synthetic_depth.h"
@@ -49,6 +51,14 @@ TEST_F(EdgeSupportTest, NearerSurfacesHideEdges) {
 TEST_F(EdgeSupportTest, ImageWithoutColorGivesNone) {
   cloud_.edges = {};
   EXPECT_EQ(MeasureEdgeSupport(cloud_, model_, X_CO_).visible, 0);
+}
+
+TEST_F(EdgeSupportTest, PoseThatIsNotFiniteGivesNone) {
+  for (const double wrong : {double(NAN), double(INFINITY), 1e30}) {
+    for (const Pose& X_CO : {Translation({wrong, 0, 0.3}), Translation({0, -wrong, 0.3})}) {
+      EXPECT_EQ(MeasureEdgeSupport(cloud_, model_, X_CO).visible, 0) << wrong;
+    }
+  }
 }
 
 TEST_F(EdgeSupportTest, ObjectBehindTheCameraGivesNone) {

@@ -1,4 +1,4 @@
-#include "eval/bop/image_notes.h"
+#include "eval/frames/image_notes.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

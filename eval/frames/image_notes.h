@@ -1,7 +1,7 @@
 #pragma once
 
-// What an estimator met in each image of a data set, as a CSV file beside the results file. It
-// tells which images to doubt.
+// What an estimator met in each image of a data set, as a CSV file beside the results file. The
+// poses of images with warnings are less reliable.
 
 #include <string>
 #include <vector>
@@ -18,7 +18,7 @@ struct DatasetImageNote {
   // False if the estimator looked for a table, floor or bin and recognised none, and in an image
   // without depth readings.
   bool has_background = false;
-  // Of CheckFrame(), of the region of interest and of the estimator, one sentence each.
+  // Sentences of CheckFrame(), about the region of interest, and of the estimator.
   std::vector<std::string> warnings;
 };
 
