@@ -105,6 +105,8 @@ EstimateResult EstimatorRunner::Estimate(const RgbdFrame& frame, const CellCalib
   std::optional<ImageRegion> region;
   if (!roi_.empty()) {
     region = MakeRegion(roi_, frame, calibration.camera.X_CW(), cell_.objects());
+    // Later images may lose all readings, because the objects in the region are picked.
+    if (is_first) RequireReadingsIn(*region, frame, "roi");
     input.region = &region->pixels;
   }
   if (count_reachable) {
