@@ -1,6 +1,7 @@
 #include "eval/trial/grasp_choice.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -88,6 +89,8 @@ void DropNotFinite(std::vector<Grasp>& grasps) {
 
 // Calls the planner and leaves out grasps that are not finite or too weak.
 PlanResult UsableGrasps(const TrialSetup& setup, const PlannerInput& input) {
+  assert(std::ranges::all_of(
+      input.poses, [](const EstimatedPose& pose) { return pose.X_WO.matrix().allFinite(); }));
   PlanResult plan = setup.planner->Plan(input);
   DropNotFinite(plan.grasps);
   const auto weak = std::erase_if(

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cassert>
 #include <cmath>
 
 #include "perception/cloud/normals.h"
@@ -187,6 +188,13 @@ int CountNotFiniteReadings(const Image<float>& depth_m) {
                                         [](float z) { return !std::isfinite(z); }));
 }
 
+[[maybe_unused]] bool IsFinite(const OrganizedCloud& cloud) {
+  const auto is_finite = [](const Eigen::Vector3f& v) { return v.allFinite(); };
+  return std::ranges::all_of(cloud.points_C, is_finite) &&
+         std::ranges::all_of(cloud.normals_C, is_finite) &&
+         CountNotFiniteReadings(cloud.depth_m) == 0;
+}
+
 }  // namespace
 
 Image<float> FillSinglePixelHoles(const Image<float>& depth_m, int threads) {
@@ -251,6 +259,7 @@ OrganizedCloud BuildCloud(const RgbdFrame& frame, const std::optional<KnownBackg
                             .band_m = options.fit_band_m * cloud.error_scale};
   FitPlanes(cloud.intrinsics, cloud.foreground, fit, cloud.depth_m, cloud.normals_C, threads);
   FillPoints(cloud, threads);
+  assert(IsFinite(cloud));
   return cloud;
 }
 

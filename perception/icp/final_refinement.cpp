@@ -1,5 +1,6 @@
 #include "perception/icp/final_refinement.h"
 
+#include <cassert>
 #include <cmath>
 
 #include "perception/icp/bidirectional_icp.h"
@@ -70,6 +71,7 @@ constexpr RefinerRow kRefiners[] = {
 
 void RefineHypothesis(const RefinePose& refine, const OrganizedCloud& cloud,
                       const ModelPoints& model, PoseHypothesis& hypothesis) {
+  assert(hypothesis.X_CO.matrix().allFinite());
   const IcpResult result = refine(model, hypothesis.X_CO);
   const bool is_finite =
       result.X_CO.matrix().allFinite() && std::isfinite(result.reciprocal_condition_number);

@@ -73,3 +73,23 @@ invalid_replay_requests_are_refused() {
   head -c 5000 one/results.sqlite >cut && mv cut one/results.sqlite
   refused "results.sqlite" "$pickbed" replay one#1
 }
+
+programs_of_stored_results_start_only_if_allowed() {
+  cat >estimator.py <<'PY'
+import numpy as np
+import pickbed_plugin as pb
+open("started", "w").close()
+@pb.estimator
+def nothing(frame):
+    return []
+pb.serve()
+PY
+  expect 0 "$pickbed" run small.yaml --trials 1 --pictures 0 --set estimator.name=process \
+    --set "estimator.command=python3 $work/estimator.py" --out one
+  rm started
+  refused "one#0: its settings use 'python3 $work/estimator.py'; allow it (--programs)" "$pickbed" replay one#0
+  refused "allow it (--programs)" "$pickbed" budget one --stages grasp
+  [ ! -e started ] || fail "a program of stored results was started"
+  expect 0 "$pickbed" replay one#0 --programs
+  [ -e started ] || fail "the program was not started"
+}

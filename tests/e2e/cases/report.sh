@@ -54,8 +54,9 @@ YAML
   for page in page.html both.html; do
     grep -q "&lt;img src=x" $page || fail "the run is not named on $page"
     grep -q "&lt;script&gt;self" $page || fail "the object is not named on $page"
-    _browser $page 1 1
+    grep -qE "<img src=x|<script>self" $page && fail "$page contains the markup of a name"
   done
+  _browser page.html 1 1
 }
 
 invalid_report_requests_are_refused() {
