@@ -49,9 +49,9 @@ struct EstimateDatasetProgress {
 // Estimates in the images of a dataset, also if the work ended early.
 struct DatasetEstimates {
   std::vector<DatasetEstimate> estimates;
-  std::vector<DatasetImageNote> notes;  // of the images done
+  std::vector<DatasetImageNote> notes;  // one per processed image
   size_t images = 0;                    // target images
-  size_t done = 0;                      // their estimates are in `estimates`
+  size_t done = 0;                      // processed images
 };
 
 // Estimates poses in every target image. In localisation on a BOP19 image, it returns poses of the

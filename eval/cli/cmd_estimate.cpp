@@ -286,6 +286,7 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
   const std::filesystem::path csv = folder / (name + ".csv");
   const std::filesystem::path images = folder / (name + ".images.csv");
   const std::filesystem::path partial = folder / (name + ".partial.csv");
+  const std::filesystem::path partial_images = folder / (name + ".partial.images.csv");
   MakeFolder(folder);
   CatchInterrupts();
   DatasetEstimates result;
@@ -293,7 +294,7 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
   const auto keep = [&]() -> std::string {
     if (result.done == 0) return "no image was processed";
     WriteFileAtomically(partial, WriteEstimates(result.estimates));
-    WriteFileAtomically(images, DatasetImagesCsv(result.notes));
+    WriteFileAtomically(partial_images, DatasetImagesCsv(result.notes));
     return fmt::format("the estimates of {} of {} images are in {}", result.done, result.images,
                        partial.string());
   };
@@ -324,11 +325,14 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
   WriteFileAtomically(csv, WriteEstimates(result.estimates));
   std::error_code none;
   std::filesystem::remove(partial, none);
-  fmt::print("{} estimates in {}\nscore them with pickbed score --bop {} --split {} {}\n{}",
-             result.estimates.size(), csv.string(), bop.path, bop.split, csv.string(),
-             TaskOf(bop) == DatasetTask::kLocalisation
-                 ? "of its scores, AP is comparable only after --task detection\n"
-                 : "");
+  std::filesystem::remove(partial_images, none);
+  fmt::print(
+      "{} estimates in {}, and the warnings of each image in {}\nscore them with pickbed score "
+      "--bop {} --split {} {}\n{}",
+      result.estimates.size(), csv.string(), images.string(), bop.path, bop.split, csv.string(),
+      TaskOf(bop) == DatasetTask::kLocalisation
+          ? "of its scores, AP is comparable only after --task detection\n"
+          : "");
   return 0;
 }
 
@@ -339,7 +343,9 @@ int EstimateCommand(int argc, char** argv) {
       fmt::format(
           "Fills bins, estimates poses and scores them against ground truth, without picking. "
           "Compares several estimators on the same bins. With --bop, estimates poses in the images "
-          "of a BOP dataset and writes them as a BOP results file. With an image, estimates poses "
+          "of a BOP dataset and writes them as a BOP results file, beside a list of the images. "
+          "With an "
+          "image, estimates poses "
           "in it and writes {}, {} and {}.",
           kOverlayFile, kPosesJsonFile, kPosesCsvFile),
       "pickbed estimate");

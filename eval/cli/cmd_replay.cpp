@@ -92,8 +92,10 @@ int ReplayCommand(int argc, char** argv) {
   bool programs = false;
   AddProgramsArgument(app, programs);
   bool list = false;
-  app.add_flag("--list", list,
-               "only list the trials of the run: number, bin, attempts, successes and status")
+  app.add_flag(
+         "--list", list,
+         "only list the trials of the run: number, bin, attempts, successes and status (finished, "
+         "crashed, or damaged with the reason)")
       ->excludes("--animate");
   app.footer("Example: pickbed replay results/demo#2 --animate --attempt 0");
   if (!ParseArguments(app, argc, argv)) return 0;

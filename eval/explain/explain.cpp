@@ -34,7 +34,8 @@ ExplanationPage ExplainTrial(const ScenarioSpec& spec, const ObjectSet& objects,
       InstancesOf(scene, view.visible_fractions, cell.camera().X_CW());
   EstimateTrace trace;
   Rng rng = Rng::Derive(spec.seed, bin_index, "estimate/0");
-  const EstimateResult result = runner.Estimate(view.frame, view.calibration, rng, &trace);
+  const EstimateResult result = runner.Estimate(view.frame, view.calibration, rng, &trace, {},
+                                                /*is_first=*/true);
   const auto views = CellViews(cell, cell.objects());  // the trace has the cell's object indices
   return WriteExplanation(
       {title, TrialImageName(bin_index), view.frame, cell.objects(), trace, result.hypotheses,

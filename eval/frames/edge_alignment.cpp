@@ -28,27 +28,40 @@ Axis AxisOf(float dx, float dy) {
   return Axis(dx * dx - dy * dy, 2 * dx * dy) / squared;
 }
 
-// Mean over 2 * reach + 1 pixels along one axis of the image. Pixels outside count as zero.
-Image<Axis> BoxMean(const Image<Axis>& image, int reach, int step_x, int step_y) {
-  Image<Axis> mean(image.width(), image.height(), Axis::Zero());
+// Replaces each pixel by the mean of 2 * reach + 1 pixels of its row. Pixels outside count as zero.
+void AverageRows(int reach, Image<Axis>& image) {
   const float weight = 1.0f / static_cast<float>(2 * reach + 1);
+  std::vector<Axis> line(image.width() + 2 * reach, Axis::Zero());
   for (int y = 0; y < image.height(); ++y) {
+    Axis* row = image.row(y);
+    std::copy_n(row, image.width(), line.begin() + reach);
     for (int x = 0; x < image.width(); ++x) {
       Axis sum = Axis::Zero();
-      for (int i = -reach; i <= reach; ++i) {
-        const int u = x + i * step_x, v = y + i * step_y;
-        if (image.Contains(u, v)) sum += image(u, v);
-      }
-      mean(x, y) = weight * sum;
+      for (int i = 0; i <= 2 * reach; ++i) sum += line[x + i];
+      row[x] = weight * sum;
     }
   }
-  return mean;
+}
+
+// The same for columns.
+void AverageColumns(int reach, Image<Axis>& image) {
+  const float weight = 1.0f / static_cast<float>(2 * reach + 1);
+  const Image<Axis> from = image;
+  for (int y = 0; y < image.height(); ++y) {
+    Axis* row = image.row(y);
+    std::fill_n(row, image.width(), Axis::Zero());
+    for (int v = std::max(0, y - reach); v <= std::min(image.height() - 1, y + reach); ++v) {
+      const Axis* other = from.row(v);
+      for (int x = 0; x < image.width(); ++x) row[x] += weight * other[x];
+    }
+  }
 }
 
 // Two box filters in each direction are close to a Gaussian.
 Image<Axis> Blurred(Image<Axis> image, int reach) {
   for (int pass = 0; pass < 2; ++pass) {
-    image = BoxMean(BoxMean(image, reach, 1, 0), reach, 0, 1);
+    AverageRows(reach, image);
+    AverageColumns(reach, image);
   }
   return image;
 }
@@ -138,8 +151,9 @@ double CornerDistance_px(const CameraIntrinsics& camera, const Place& a, const P
   return largest;
 }
 
-// Mean agreement of the directions: 1 = all edges are on strong parallel colour edges, 0 = chance,
-// below 0 = they are across. Edges that leave the image do not count.
+// Mean agreement of the directions. At a place of chance it is near 0, or somewhat above it if one
+// direction is frequent in both images. It is below 0 if the edges are across the colour edges.
+// Edges that leave the image do not count.
 double FitAt(const Image<Axis>& color, const std::vector<DepthEdge>& edges,
              const Eigen::Vector2d& center, const Place& place) {
   double sum = 0;
@@ -179,28 +193,33 @@ double MeanFit(const std::vector<Place>& places) {
 // Limits of a clear best place.
 struct PeakLimits {
   double min_deviations;  // standard deviations of all fits above their mean
-  double max_other;       // fit of another place, relative to the best one
+  double max_other;       // fit of another place above this mean, relative to the best one
 };
 
-// Ten real and simulated frames have these values where their edges fit, and where they do not:
-// with all scales at least 5.8 and at most 0.71, against at most 3.6 and at least 0.9; with one
-// scale at least 4.1 and at most 0.45, against at most 3.6 and at least 0.51. A real frame with few
-// objects has no clear place.
-constexpr PeakLimits kAllScales{4.5, 0.8}, kOneScale{4.0, 0.6};
+// Measured on four real frames of 640 x 480 px and six simulated ones:
+//                                  deviations           other place
+//   all scales, edges fit          5.8 and more         at most 0.71
+//   all scales, edges do not fit   at most 3.6          0.90 and more
+//   one scale, edges fit           4.1 and more         at most 0.45
+//   one scale, edges do not fit    at most 3.6          0.51 and more
+// One of the real frames has few edges, and its fits are as if they did not fit.
+constexpr PeakLimits kAllScales{4.5, 0.8}, kOneScale{3.9, 0.48};
 
 // Returns the best place if it is clear.
 std::optional<Place> ClearPeak(const CameraIntrinsics& camera, const std::vector<Place>& places,
                                const PeakLimits& limits) {
   constexpr double kOther_px = 20;
+  constexpr double kMinHeight = 0.03;  // rounding errors of images without edges are lower
   const double mean = MeanFit(places);
   const Place best = *std::ranges::max_element(places, {}, &Place::fit);
+  const double height = best.fit - mean;
+  if (!(height > kMinHeight)) return std::nullopt;
   double squares = 0, other = mean;
   for (const Place& place : places) {
     squares += (place.fit - mean) * (place.fit - mean);
     if (CornerDistance_px(camera, place, best) > kOther_px) other = std::max(other, place.fit);
   }
   const double deviation = std::sqrt(squares / static_cast<double>(places.size()));
-  const double height = best.fit - mean;
   if (height < limits.min_deviations * deviation || other - mean > limits.max_other * height) {
     return std::nullopt;
   }
@@ -233,6 +252,30 @@ std::vector<DepthEdge> Flipped(std::vector<DepthEdge> edges, const Image<float>&
   return edges;
 }
 
+// Fit of a frame where it is, relative to a clear best place.
+double FitHere(double here, double mean, double best) {
+  return std::clamp((here - mean) / (best - mean), 0.0, 1.0);
+}
+
+// Returns the reflection of the depth image whose edges fit clearly, and clearly better than those
+// of the depth image itself: a symmetric bin has edges that fit in both ways.
+std::optional<EdgeAlignment> AlignReflected(const RgbdFrame& frame, const Image<Axis>& color,
+                                            const std::vector<DepthEdge>& edges,
+                                            const Eigen::Vector2d& center, double fit_as_given) {
+  constexpr double kMinGain = 1.5;
+  double best_fit = kMinGain * fit_as_given;
+  std::optional<EdgeAlignment> found;
+  for (const DepthFlip flip : {DepthFlip::kColumns, DepthFlip::kRows, DepthFlip::kBoth}) {
+    const std::vector<DepthEdge> flipped = Flipped(edges, frame.depth_m, flip);
+    const std::optional<Place> peak =
+        ClearPeak(frame.intrinsics, Search(color, flipped, center, std::array{1.0}), kOneScale);
+    if (!peak || peak->fit <= best_fit) continue;
+    best_fit = peak->fit;
+    found = EdgeAlignment{peak->shift_px, 1, flip, 0};
+  }
+  return found;
+}
+
 }  // namespace
 
 double EdgeAlignment::CornerShift_px(const CameraIntrinsics& camera) const {
@@ -253,34 +296,27 @@ std::optional<EdgeAlignment> AlignEdges(const RgbdFrame& frame) {
   const Image<Axis> coarse = Blurred(color, kCoarse_px);
   const Eigen::Vector2d center(frame.intrinsics.cx(), frame.intrinsics.cy());
   const std::vector<Place> places = Search(coarse, edges, center, kScales);
-  EdgeAlignment found;
-  if (const std::optional<Place> peak = ClearPeak(frame.intrinsics, places, kAllScales)) {
-    found.scale = peak->scale;
-    found.shift_px = peak->shift_px;
-    if (peak->scale != 1) {
-      const double mean = MeanFit(places);
-      const double here = BestNear(coarse, edges, center, {0, 0}, kTolerance_px).fit;
-      found.fit_here = std::clamp((here - mean) / (peak->fit - mean), 0.0, 1.0);
-      return found;
+  const std::optional<Place> peak = ClearPeak(frame.intrinsics, places, kAllScales);
+  if (!peak) {
+    double fit_as_given = 0;
+    for (const Place& place : places) {
+      if (place.scale == 1) fit_as_given = std::max(fit_as_given, place.fit);
     }
-    const Image<Axis> fine = Blurred(color, kFine_px);
-    const Place best = BestNear(fine, edges, center, peak->shift_px, kStep_px);
-    const double here = BestNear(fine, edges, center, {0, 0}, kTolerance_px).fit;
-    found.shift_px = best.shift_px;
-    found.fit_here = std::clamp(here / best.fit, 0.0, 1.0);
+    return AlignReflected(frame, coarse, edges, center, fit_as_given);
+  }
+  EdgeAlignment found{peak->shift_px, peak->scale};
+  if (peak->scale != 1) {
+    const double here = BestNear(coarse, edges, center, {0, 0}, kTolerance_px).fit;
+    found.fit_here = FitHere(here, MeanFit(places), peak->fit);
     return found;
   }
-  for (const DepthFlip flip : {DepthFlip::kColumns, DepthFlip::kRows, DepthFlip::kBoth}) {
-    const std::optional<Place> peak = ClearPeak(
-        frame.intrinsics,
-        Search(coarse, Flipped(edges, frame.depth_m, flip), center, std::array{1.0}), kOneScale);
-    if (!peak) continue;
-    found.flip = flip;
-    found.shift_px = peak->shift_px;
-    found.fit_here = 0;
-    return found;
-  }
-  return std::nullopt;
+  const Image<Axis> fine = Blurred(color, kFine_px);
+  const Place best = BestNear(fine, edges, center, peak->shift_px, kStep_px);
+  const double here = BestNear(fine, edges, center, {0, 0}, kTolerance_px).fit;
+  const double mean = MeanFit(Search(fine, edges, center, std::array{1.0}));
+  found.shift_px = best.shift_px;
+  found.fit_here = FitHere(here, mean, best.fit);
+  return found;
 }
 
 }  // namespace pickbed::eval

@@ -18,8 +18,8 @@ struct EdgeAlignment {
   Eigen::Vector2d shift_px{0, 0};  // of the depth, at the principal point
   double scale = 1;                // of the depth about the principal point
   DepthFlip flip = DepthFlip::kNone;
-  // Agreement of the edges where they are, relative to the best place: 1 = the depth fits best
-  // where it is, 0 = as anywhere.
+  // Agreement of the edges where they are above its mean over all places, relative to the best
+  // place: 1 = the depth fits best where it is, 0 = as anywhere. 0 for a reflection.
   double fit_here = 1;
 
   // Movement of a corner of the image to its best place, px.
@@ -29,8 +29,8 @@ struct EdgeAlignment {
 // Compares position and direction of the edges. Searches shifts up to 40 px and scales from 0.8 to
 // 1.25. A scale other than 1 means that depth was registered with other intrinsics. Without a
 // scale, the shift is refined to one pixel. If no place is clearly better than others, it searches
-// reflected depth images. Returns nullopt if there is no clear place either, if the frame has no
-// colour or few depth edges, so that nothing can be said.
+// reflected depth images. Returns nullopt if there is no clear place either, or if the frame has no
+// colour or few depth edges. Nothing can be said of such a frame.
 std::optional<EdgeAlignment> AlignEdges(const RgbdFrame& frame);
 
 }  // namespace pickbed::eval

@@ -34,7 +34,7 @@ struct FrameFinding {
 // - an object that is under 10 px wide at the nearest readings, or over twice the image at the
 //   farthest; doubtful under 20 px or over the image
 // - a principal point far from the center of the image (doubtful)
-// - depth edges that fit the colour edges elsewhere, see AlignEdges() (doubtful)
+// - depth edges that fit the colour edges elsewhere or reflected, see AlignEdges() (doubtful)
 std::vector<FrameFinding> CheckFrame(const RgbdFrame& frame, const ObjectSet& objects,
                                      double depth_scale_mm);
 

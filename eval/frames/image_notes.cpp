@@ -12,11 +12,12 @@ ResultColumns DatasetImageColumns() {
           {"im_id", "image in its scene"},
           {"poses", "number of poses in the results file"},
           {"background_recognised",
-           "1 = the bin was given, or a table, floor or bin was recognised, or the estimator looks "
-           "for none; 0 = scores of poses on a table or wall may be too high"},
+           "0 = the estimator recognised no table, floor or bin, so scores of poses on them may be "
+           "too high, or the image has no reading; else 1"},
           {"warnings",
-           "doubts about the image and differences from the training images, for which scores are "
-           "lowered; separated by semicolons"}};
+           "warnings about the image, separated by |: doubtful files, empty region of interest, "
+           "failure of the estimator, and differences from the training images, which lower the "
+           "scores"}};
 }
 
 std::string DatasetImagesCsv(const std::vector<DatasetImageNote>& images) {
@@ -24,7 +25,7 @@ std::string DatasetImagesCsv(const std::vector<DatasetImageNote>& images) {
   for (const DatasetImageNote& image : images) {
     csv += fmt::format("{},{},{},{:d},{}\n", image.scene_id, image.image_id, image.poses,
                        image.has_background,
-                       CsvCell(fmt::format("{}", fmt::join(image.warnings, "; "))));
+                       CsvCell(fmt::format("{}", fmt::join(image.warnings, " | "))));
   }
   return csv;
 }

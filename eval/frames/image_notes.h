@@ -1,7 +1,7 @@
 #pragma once
 
-// What an estimator met in each image of a data set, as a CSV file beside the results file. The
-// poses of images with warnings are less reliable.
+// Number of poses and warnings of each image of a data set, as a CSV file beside the results file.
+// The poses of images with warnings are less reliable.
 
 #include <string>
 #include <vector>
@@ -15,10 +15,10 @@ struct DatasetImageNote {
   int scene_id = 0;
   int image_id = 0;
   size_t poses = 0;
-  // False if the estimator looked for a table, floor or bin and recognised none, and in an image
+  // False if the estimator looked for a table, floor or bin and recognised none, and for an image
   // without depth readings.
   bool has_background = false;
-  // Sentences of CheckFrame(), about the region of interest, and of the estimator.
+  // They are from CheckFrame(), about the region of interest, and from the estimator.
   std::vector<std::string> warnings;
 };
 

@@ -40,13 +40,18 @@ std::optional<std::vector<double>> NumbersIn(std::string_view text) {
   }
 }
 
+// Whether a value says that there is none.
+bool IsNothing(const SettingsTree& node) {
+  constexpr std::array kNothing = {"", "~", "null", "Null", "NULL", "none", "None"};
+  return node.kind == SettingsTree::Kind::kValue &&
+         std::ranges::find(kNothing, node.text) != kNothing.end();
+}
+
 void AddNumbers(const SettingsTree& node, std::vector<double>& numbers) {
   if (node.kind == SettingsTree::Kind::kList) {
     for (const SettingsTree& item : node.items) AddNumbers(item, numbers);
     return;
   }
-  constexpr std::array kNothing = {"", "~", "null", "Null", "NULL", "none", "None"};
-  if (std::ranges::find(kNothing, node.text) != kNothing.end()) return;
   const auto found = NumbersIn(node.text);
   CheckInput(found.has_value(), fmt::format("{}: '{}' is no number", node.place, node.text));
   numbers.insert(numbers.end(), found->begin(), found->end());
@@ -61,6 +66,7 @@ std::vector<double> NumbersOf(const SettingsTree& map, const std::vector<const c
     if (node == nullptr) continue;
     if (node->kind == SettingsTree::Kind::kMap) node = node->Find("data");
     if (node == nullptr) continue;
+    if (IsNothing(*node)) return numbers;
     AddNumbers(*node, numbers);
     return numbers;
   }

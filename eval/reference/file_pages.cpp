@@ -169,7 +169,7 @@ ResultPage MeasurementsPage() {
         {Plain(kComparisonPage, "both runs side by side"),
          Json("JSON file", "paired differences", ComparisonKeys())}},
        {"pickbed estimate",
-        fmt::format("With `--bop`, only the results file and the file about its images. With "
+        fmt::format("`--bop` writes only the results file and the list of its images. With "
                     "`--explain`, `{}` with its pictures.",
                     ExplainPageName("IMAGE")),
         {Plain(kComparisonPage, "page with charts and the first bins"),

@@ -50,8 +50,8 @@ RecordedTrial ReadRecordedTrial(const TrialAddress& address, const std::string& 
 void RequireProgramsAllowed(const ScenarioSpec& spec, const std::string& results, bool allowed);
 
 // Lists the recorded trials of a run or sweep: a header and one line per trial with its number,
-// bin, attempts, successful picks and status (finished or crashed). Throws InputError if the folder
-// has no results store, or if a trial is damaged.
+// bin, attempts, successful picks and status: finished, crashed, or "damaged: " and the reason.
+// Throws InputError if the folder has no results store.
 std::string TrialList(const std::filesystem::path& run);
 
 // Result of the comparison of one stage.

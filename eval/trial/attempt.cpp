@@ -24,7 +24,8 @@ Observation Capture(TrialSetup& setup, int attempt, LiveTrial& trial) {
   return setup.cell.Capture(trial.scene, trial.bin_index, attempt);
 }
 
-// Whether an attempt has the first image of a run. A wrong answer of a program then ends the run.
+// Whether an attempt has the first image of a run. A wrong answer of a program, or a region of
+// interest without readings, then ends the run.
 bool IsFirstImage(BinIndex bin_index, int attempt) {
   return bin_index == BinIndex(0) && attempt == 0;
 }

@@ -49,7 +49,8 @@ class EstimatorRunner {
 
   // Returns the poses inside the bin, in the camera frame. Times are under "estimate" and, for each
   // stage, "estimate/STAGE". Only estimators that support traces fill `trace`. Without
-  // `count_reachable`, a grasp can reach every pose. `is_first`: see EstimatorInput.
+  // `count_reachable`, a grasp can reach every pose. `is_first`: see EstimatorInput. Throws
+  // InputError if it is set and no depth reading is in the region of interest.
   EstimateResult Estimate(const RgbdFrame& frame, const CellCalibration& calibration, Rng& rng,
                           EstimateTrace* trace = nullptr, const ReachCounter& count_reachable = {},
                           bool is_first = false);

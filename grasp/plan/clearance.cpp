@@ -205,7 +205,7 @@ bool ObstacleField::AnyNear(const Pose& X_WG, const AxisAlignedBox& box_G, doubl
   const Vector3d half_size = (box_G.half_size.array() + margin_m).max(0);
   const Vector3d reach = X_WG.linear().cwiseAbs() * half_size;
   const Vector3d low = center - reach, high = center + reach;
-  if (!low.allFinite() || !high.allFinite()) return false;  // nowhere
+  if (!low.allFinite() || !high.allFinite()) return false;  // such a pose meets nothing
   const int first = Column(low.x(), low.y()), last = Column(high.x(), high.y());
   const Eigen::Matrix3d R_GW = X_WG.linear().transpose();
   for (int row = first / columns_; row <= last / columns_; ++row) {

@@ -172,7 +172,7 @@ void EstimatorSpec::Visit(SettingsVisitor& v) {
       "first", [this](SettingsVisitor& g) { first.Visit(g); }, "settings of the mode first");
   v.Real("min_score", min_score, {0, 1},
          "minimum score of a reported pose, after the calibration; raw scores have no minimum. "
-         "Images and --bop --explain have the default 0.6, --bop has 0");
+         "`pickbed estimate IMAGE` and `--bop --explain` have the default 0.6, `--bop` has 0");
   v.Text("calibration", calibration, {},
          "file of `pickbed calibrate`, which converts the scores into probabilities; empty = the "
          "scores are used as they are");
@@ -263,7 +263,8 @@ void ScenarioSpec::Visit(SettingsVisitor& v) {
       "durations that give the number of picks per hour");
   v.Group(
       "roi", [this](SettingsVisitor& g) { roi.Visit(g); },
-      "region of interest: poses are only searched and reported in it");
+      "region of interest: poses are only searched and reported in it. A region without a depth "
+      "reading in the first image of bin 0 is refused");
 }
 
 std::vector<std::string> BinNames() { return StemsIn(AssetsDir() / "bins", ".yaml"); }

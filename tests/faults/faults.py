@@ -263,6 +263,7 @@ def two_writers_case(command, whole, out, duration_s, rng):
     resume = ["--resume"] if rng.random() < 0.5 else []
     first = command.start(out.name)
     time.sleep(moment_s)
+    is_working = first.poll() is None
     second = command.start(out.name, *resume, stderr="second.txt")
     status = {"stderr.txt": wait(first), "second.txt": wait(second)}
     for name in status:
@@ -272,7 +273,7 @@ def two_writers_case(command, whole, out, duration_s, rng):
     require(0 in status.values(), "both were refused")
     require_same(out, whole)
     refused = command.error_lines("second.txt") or command.error_lines()
-    return len(refused) > 0, f"second after {moment_s:.2f} s{' with --resume' if resume else ''}: {refused}"
+    return is_working and len(refused) > 0, f"second after {moment_s:.2f} s{' with --resume' if resume else ''}: {refused}"
 
 
 def lost_node_case(command, whole, out, duration_s, rng):

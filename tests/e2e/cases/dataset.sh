@@ -95,6 +95,7 @@ PY
   [ "$(wc -l <poses/process_set-test.csv)" = 4 ] || fail "not one pose in each image"
   [ "$(cut -d, -f3 poses/process_set-test.images.csv | tr '\n' ' ')" = "poses 1 1 1 " ] || fail "other numbers of poses in the list of images"
   [ -e $partial ] && fail "partial results of a complete run"
+  [ -e "${partial%.csv}.images.csv" ] && fail "a partial list of images of a complete run"
   mv poses whole
 
   touch stop
@@ -102,6 +103,7 @@ PY
   [ "$(grep '^pickbed: ' last.err)" = "pickbed: interrupted; the estimates of 1 of 3 images are in $partial" ] ||
     fail "an interrupt does not name the partial results"
   [ "$(wc -l <$partial)" = 2 ] || fail "not the poses of the first image"
+  [ "$(wc -l <"${partial%.csv}.images.csv")" = 2 ] || fail "not a list of the first image"
   rm stop
 
   touch break

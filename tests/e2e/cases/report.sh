@@ -56,7 +56,7 @@ YAML
     grep -q "&lt;script&gt;self" $page || fail "the object is not named on $page"
     grep -qE "<img src=x|<script>self" $page && fail "$page contains the markup of a name"
   done
-  _browser page.html 1 1
+  _browser page.html 1 1 # both pages are made by the same code, and the browser takes half a minute
 }
 
 invalid_report_requests_are_refused() {

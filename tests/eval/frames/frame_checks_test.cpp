@@ -153,13 +153,38 @@ TEST(CheckFrame, AReflectedDepthImageContradictsTheColourEdges) {
   }
 }
 
+// A frame that is symmetric fits in both ways. Two scales fit alike, so that none is clear.
+TEST(AlignEdges, ASymmetricFrameIsNotReflected) {
+  RgbdFrame frame = Blocks();
+  frame.color = Image<Rgb8>(320, 240, {60, 60, 60});
+  frame.depth_m = Image<float>(320, 240, 0.8f);
+  const auto fill = [&](double half_width, double half_height, const auto& set) {
+    for (int y = 0; y < 240; ++y) {
+      for (int x = 0; x < 320; ++x) {
+        if (std::abs(x - 159.5) < half_width && std::abs(y - 119.5) < half_height) set(x, y);
+      }
+    }
+  };
+  fill(100, 70, [&](int x, int y) { frame.color(x, y) = {200, 180, 90}; });
+  fill(93, 65, [&](int x, int y) { frame.color(x, y) = {60, 60, 60}; });
+  fill(100, 70, [&](int x, int y) { frame.depth_m(x, y) = 0.7f; });
+  const auto found = AlignEdges(frame);
+  EXPECT_TRUE(!found || found->flip == DepthFlip::kNone);
+  for (const FrameFinding& finding : CheckFrame(frame, OneCube(0.05), 1)) {
+    ADD_FAILURE() << finding.text;
+  }
+}
+
 TEST(AlignEdges, SaysNothingWithoutEdges) {
   RgbdFrame frame = Blocks();
   frame.color = {};
   EXPECT_FALSE(AlignEdges(frame));
   frame = Blocks();
-  frame.color = Image<Rgb8>(320, 240, {90, 90, 90});
-  EXPECT_FALSE(AlignEdges(frame));
+  for (int level = 0; level < 256; ++level) {
+    const auto grey = static_cast<uint8_t>(level);
+    frame.color = Image<Rgb8>(320, 240, {grey, grey, grey});
+    EXPECT_FALSE(AlignEdges(frame)) << level;
+  }
   frame = Blocks();
   frame.depth_m = Image<float>(320, 240, 0.8f);
   EXPECT_FALSE(AlignEdges(frame));

@@ -67,9 +67,10 @@ TEST(ReadIntrinsics, RefusesOtherTextsAndOtherImages) {
     EXPECT_THAT(error(four + "\"width\": " + width + "}"), HasSubstr("whole number of pixels"));
   }
   EXPECT_EQ(error(four + R"("width": null, "depth_scale": null})"), "no error");
-  for (const char* nothing : {"null", "~", "NULL", "none", "\"none\"", "[]"}) {
+  for (const char* nothing : {"null", "~", "NULL", "Null", "none", "None", "\"none\"", "[]"}) {
     EXPECT_EQ(error(four + "\"dist_coeffs\": " + nothing + "}"), "no error") << nothing;
   }
+  EXPECT_THAT(error(R"({"K": [10, null, 0, 3, 0, 11, 4, 0, 0, 1]})"), HasSubstr("is no number"));
   const GivenIntrinsics k{10, 11, 3, 4, 6, 8, {}, false};
   EXPECT_THAT(ErrorOf([&] { k.ForImage(12, 16, "k"); }), HasSubstr("for 6x8 px but"));
   const GivenIntrinsics of_larger{10, 11, 30, 4, 0, 0, {}, false};

@@ -7,11 +7,11 @@ namespace {
 
 TEST(DatasetImagesCsv, HasOneLinePerImageAndQuotesWarnings) {
   const std::vector<DatasetImageNote> images{
-      {1, 2, 3, true, {}}, {4, 5, 0, false, {"no reading, or \"none\"", "too steep"}}};
+      {1, 2, 3, true, {}}, {4, 5, 0, false, {"no reading; or \"none\"", "too steep"}}};
   EXPECT_EQ(DatasetImagesCsv(images),
             "scene_id,im_id,poses,background_recognised,warnings\n"
             "1,2,3,1,\n"
-            "4,5,0,0,\"no reading, or \"\"none\"\"; too steep\"\n");
+            "4,5,0,0,\"no reading; or \"\"none\"\" | too steep\"\n");
   EXPECT_EQ(DatasetImagesCsv({}), HeaderLine(DatasetImageColumns()));
 }
 

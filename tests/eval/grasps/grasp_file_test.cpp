@@ -163,6 +163,10 @@ TEST(GraspFile, DamagedCsvIsNamed) {
     EXPECT_THAT(error_of(whole.substr(0, whole.size() - last.size()) + confidence),
                 HasSubstr("damaged.csv:3: grasp 'grasp_1' has the confidence "));
   }
+  std::string without_epsilon = whole;
+  const size_t last_comma = whole.rfind(','), comma_before = whole.rfind(',', last_comma - 1);
+  without_epsilon.erase(comma_before + 1, last_comma - comma_before - 1);
+  EXPECT_EQ(error_of(without_epsilon), "no error") << "this column is not used";
   std::string scripted = whole;
   EXPECT_THAT(error_of(scripted.insert(whole.rfind(','), "<script>")),
               HasSubstr("damaged.csv:3: epsilon = '0<script>'"));
