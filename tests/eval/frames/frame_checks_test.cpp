@@ -153,26 +153,19 @@ TEST(CheckFrame, AReflectedDepthImageContradictsTheColourEdges) {
   }
 }
 
-// A frame that is symmetric fits in both ways. Two scales fit alike, so that none is clear.
+// A symmetric frame fits in both ways. Two scales fit alike, so that none is clear.
 TEST(AlignEdges, ASymmetricFrameIsNotReflected) {
   RgbdFrame frame = Blocks();
-  frame.color = Image<Rgb8>(320, 240, {60, 60, 60});
-  frame.depth_m = Image<float>(320, 240, 0.8f);
-  const auto fill = [&](double half_width, double half_height, const auto& set) {
-    for (int y = 0; y < 240; ++y) {
-      for (int x = 0; x < 320; ++x) {
-        if (std::abs(x - 159.5) < half_width && std::abs(y - 119.5) < half_height) set(x, y);
-      }
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 320; ++x) {
+      const double radius = std::hypot((x - 159.5) / 100, (y - 119.5) / 70);
+      const bool is_ring = radius < 1 && radius > 0.87;
+      frame.color(x, y) = is_ring ? Rgb8{200, 180, 90} : Rgb8{60, 60, 60};
+      frame.depth_m(x, y) = radius < 1 ? 0.7f : 0.8f;
     }
-  };
-  fill(100, 70, [&](int x, int y) { frame.color(x, y) = {200, 180, 90}; });
-  fill(93, 65, [&](int x, int y) { frame.color(x, y) = {60, 60, 60}; });
-  fill(100, 70, [&](int x, int y) { frame.depth_m(x, y) = 0.7f; });
-  const auto found = AlignEdges(frame);
-  EXPECT_TRUE(!found || found->flip == DepthFlip::kNone);
-  for (const FrameFinding& finding : CheckFrame(frame, OneCube(0.05), 1)) {
-    ADD_FAILURE() << finding.text;
   }
+  EXPECT_FALSE(AlignEdges(frame));
+  EXPECT_TRUE(CheckFrame(frame, OneCube(0.05), 1).empty());
 }
 
 TEST(AlignEdges, SaysNothingWithoutEdges) {
@@ -180,7 +173,7 @@ TEST(AlignEdges, SaysNothingWithoutEdges) {
   frame.color = {};
   EXPECT_FALSE(AlignEdges(frame));
   frame = Blocks();
-  for (int level = 0; level < 256; ++level) {
+  for (int level = 0; level < 256; level += 15) {
     const auto grey = static_cast<uint8_t>(level);
     frame.color = Image<Rgb8>(320, 240, {grey, grey, grey});
     EXPECT_FALSE(AlignEdges(frame)) << level;
