@@ -344,9 +344,7 @@ int EstimateCommand(int argc, char** argv) {
           "Fills bins, estimates poses and scores them against ground truth, without picking. "
           "Compares several estimators on the same bins. With --bop, estimates poses in the images "
           "of a BOP dataset and writes them as a BOP results file, beside a list of the images. "
-          "With an "
-          "image, estimates poses "
-          "in it and writes {}, {} and {}.",
+          "With an image, estimates poses in it and writes {}, {} and {}.",
           kOverlayFile, kPosesJsonFile, kPosesCsvFile),
       "pickbed estimate");
   ScenarioRequest arguments;

@@ -91,7 +91,7 @@ int TrainVerifierCommand(int argc, char** argv) {
   // There are ten times as many candidates as for one object. They need more steps and cannot be
   // learned by heart.
   arguments.training.verifier.iterations = 20000;
-  arguments.training.verifier.networks = 1;  // benchmarked so
+  arguments.training.verifier.networks = 1;  // as in the benchmark of rooms
   arguments.training.verifier.weight_decay = 1e-5;
   std::vector<std::string> settings;
   app.add_option("--from", arguments.model, "descriptor model; rooms of all its objects are used")

@@ -108,7 +108,7 @@ void CheckPrincipalPoint(const CameraIntrinsics& k, std::vector<FrameFinding>& f
 }
 
 void CheckEdges(const RgbdFrame& frame, std::vector<FrameFinding>& findings) {
-  // With colour that is moved by 8 px, three real frames have fits of 0.7 to 0.8.
+  // Colour that is moved by 8 px has a smaller fit in three real frames.
   constexpr double kMinFit = 0.9;
   // The usual error of a registration grows with the size of the image.
   const double min_corner_shift_px = 6 * std::max(1.0, frame.intrinsics.width() / 640.0);
