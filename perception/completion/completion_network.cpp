@@ -1,17 +1,20 @@
 #include "perception/completion/completion_network.h"
 
 #include <ATen/Context.h>
+#include <ATen/Parallel.h>
 #include <torch/cuda.h>
 #include <torch/optim/adam.h>
 #include <torch/types.h>
 #include <torch/utils.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "perception/completion_networks/completion_net.h"
 #include "perception/networks/fixed_layers.h"
 #include "perception/networks/torch_runtime.h"
 #include "scenes/base/error.h"
+#include "scenes/base/parallel.h"
 #include "scenes/base/random.h"
 
 namespace pickbed::perception {
@@ -22,7 +25,7 @@ constexpr int64_t kChunk = 8192;
 // Views encoded at once.
 constexpr int64_t kViews = 16;
 
-at::Tensor ChannelTensor(const std::vector<int8_t>& channels, int64_t count,
+at::Tensor ChannelTensor(std::span<const int8_t> channels, int64_t count,
                          const torch::Device& device) {
   const int64_t each = static_cast<int64_t>(channels.size()) / (count * kInputVolume);
   return torch::from_blob(const_cast<int8_t*>(channels.data()),
@@ -37,7 +40,7 @@ at::Tensor FloatTensor(const float* values, at::IntArrayRef shape, const torch::
       .to(device, false, /*copy=*/true);
 }
 
-CompletionViews ViewTensors(const std::vector<int8_t>& channels, const std::vector<float>& images,
+CompletionViews ViewTensors(std::span<const int8_t> channels, std::span<const float> images,
                             int64_t count, const torch::Device& device) {
   return {ChannelTensor(channels, count, device),
           FloatTensor(images.data(), {count, kImageChannels, kImagePixels, kImagePixels}, device)};
@@ -97,6 +100,24 @@ std::vector<float> Decoded(CompletionNet& net, const CompletionCode& code,
   return probabilities;
 }
 
+// Means and variances of the normalizations.
+std::vector<at::Tensor> FloatBuffers(const CompletionNet& net) {
+  std::vector<at::Tensor> tensors;
+  for (const at::Tensor& buffer : net.buffers()) {
+    if (buffer.scalar_type() == torch::kFloat) tensors.push_back(buffer);
+  }
+  return tensors;
+}
+
+void CopyTensors(const std::vector<at::Tensor>& from, const std::vector<at::Tensor>& to) {
+  for (size_t i = 0; i < from.size(); ++i) to[i].copy_(from[i]);
+}
+
+// Views of a batch, from `begin` to before `end`.
+struct ViewRange {
+  int begin, end;
+};
+
 }  // namespace
 
 struct CompletionNetwork::Impl {
@@ -114,19 +135,69 @@ struct CompletionNetwork::Impl {
     made->eval();
     return made;
   }
-  std::vector<at::Tensor> StatisticTensors() const {
-    std::vector<at::Tensor> tensors;
-    for (const at::Tensor& buffer : net->buffers()) {
-      if (buffer.scalar_type() == torch::kFloat) tensors.push_back(buffer);
-    }
-    return tensors;
-  }
+  std::vector<at::Tensor> StatisticTensors() const { return FloatBuffers(*net); }
+  CompletionNet& Replica(int index) { return index == 0 ? *net : *copies[index - 1]; }
+  // Gives all replicas the weights and statistics of the network.
+  void SpreadWeights(int replicas);
+  // Gives the network the sum of the gradients and the mean of the statistics of all replicas.
+  void CollectGradients(int replicas);
+  // Computes the gradient of the mean loss of some views, times `share`. Returns the loss.
+  double Backward(const CompletionBatch& batch, ViewRange range, double share, CompletionNet& net);
 
   CompletionNetworkOptions options;
   torch::Device device;
   std::shared_ptr<CompletionNet> net;
   torch::optim::Adam adam;
+  std::vector<std::shared_ptr<CompletionNet>> copies;  // the other replicas
 };
+
+void CompletionNetwork::Impl::SpreadWeights(int replicas) {
+  const torch::NoGradGuard no_gradients;
+  while (static_cast<int>(copies.size()) + 1 < replicas) copies.push_back(Make(options, 0, device));
+  for (int i = 1; i < replicas; ++i) {
+    CopyTensors(net->parameters(), Replica(i).parameters());
+    CopyTensors(FloatBuffers(*net), FloatBuffers(Replica(i)));
+  }
+}
+
+void CompletionNetwork::Impl::CollectGradients(int replicas) {
+  const torch::NoGradGuard no_gradients;
+  const std::vector<at::Tensor> weights = net->parameters(), statistics = FloatBuffers(*net);
+  for (int i = 1; i < replicas; ++i) {
+    const std::vector<at::Tensor> others = Replica(i).parameters();
+    for (size_t k = 0; k < weights.size(); ++k) {
+      if (others[k].grad().defined()) weights[k].mutable_grad().add_(others[k].grad());
+    }
+    const std::vector<at::Tensor> their_statistics = FloatBuffers(Replica(i));
+    for (size_t k = 0; k < statistics.size(); ++k) statistics[k].add_(their_statistics[k]);
+  }
+  for (const at::Tensor& values : statistics) values.mul_(1.0 / replicas);
+}
+
+double CompletionNetwork::Impl::Backward(const CompletionBatch& batch, ViewRange range,
+                                         double share, CompletionNet& replica) {
+  replica.zero_grad();
+  replica.train();
+  const int64_t count = range.end - range.begin;
+  const auto rows = [&](const auto& values) {
+    return std::span(values).subspan(values.size() / batch.count * range.begin,
+                                     values.size() / batch.count * count);
+  };
+  const std::span<const float> queries = rows(batch.queries);
+  CompletionTensors step;
+  step.views = ViewTensors(rows(batch.channels), rows(batch.images), count, device);
+  step.queries = FloatTensor(queries.data(), {count, batch.points, kQueryValues}, device);
+  step.inside = FloatTensor(rows(batch.inside).data(), {count, batch.points}, device);
+  if (RowOf(options).needs_volumes) {
+    step.volumes = ChannelTensor(rows(batch.volumes), count, device);
+    // Random numbers follow from the data, so that a resumed training draws the same ones.
+    step.seed = HashBytes(queries.data(), queries.size_bytes());
+  }
+  const at::Tensor loss = replica.Loss(step);
+  (loss * share).backward();
+  replica.eval();
+  return loss.item<double>();
+}
 
 CompletionNetwork::CompletionNetwork(const CompletionNetworkOptions& options, uint64_t seed,
                                      const std::string& device) {
@@ -143,28 +214,24 @@ bool CompletionNetwork::NeedsVolumes(const CompletionNetworkOptions& options) {
 
 const CompletionNetworkOptions& CompletionNetwork::options() const { return impl_->options; }
 
-double CompletionNetwork::TrainStep(const CompletionBatch& batch, double learning_rate) {
-  CompletionNet& net = *impl_->net;
+double CompletionNetwork::TrainStep(const CompletionBatch& batch, double learning_rate,
+                                    int replicas) {
+  replicas = std::clamp(replicas, 1, std::max(batch.count, 1));
   SetLearningRate(impl_->adam, learning_rate);
-  impl_->adam.zero_grad();
-  net.train();
-  const CompletionViews views =
-      ViewTensors(batch.channels, batch.images, batch.count, impl_->device);
-  const at::Tensor queries =
-      FloatTensor(batch.queries.data(), {batch.count, batch.points, kQueryValues}, impl_->device);
-  const at::Tensor inside =
-      FloatTensor(batch.inside.data(), {batch.count, batch.points}, impl_->device);
-  CompletionTensors step{views, queries, inside, {}, 0};
-  if (RowOf(impl_->options).needs_volumes) {
-    step.volumes = ChannelTensor(batch.volumes, batch.count, impl_->device);
-    // Random numbers follow from the data, so that a resumed training draws the same ones.
-    step.seed = HashBytes(batch.queries.data(), batch.queries.size() * sizeof(float));
-  }
-  const at::Tensor loss = net.Loss(step);
-  loss.backward();
+  impl_->SpreadWeights(replicas);
+  std::vector<double> losses(replicas);
+  ForRanges(replicas, replicas, [&](int first, int last) {
+    // libtorch sets the number of threads of a layer in each thread that calls it.
+    at::init_num_threads();
+    for (int i = first; i < last; ++i) {
+      const ViewRange range{batch.count * i / replicas, batch.count * (i + 1) / replicas};
+      const double share = static_cast<double>(range.end - range.begin) / batch.count;
+      losses[i] = share * impl_->Backward(batch, range, share, impl_->Replica(i));
+    }
+  });
+  impl_->CollectGradients(replicas);
   impl_->adam.step();
-  net.eval();
-  return loss.item<double>();
+  return std::accumulate(losses.begin(), losses.end(), 0.0);
 }
 
 std::vector<float> CompletionNetwork::Probabilities(const CompletionBatch& batch) const {

@@ -243,7 +243,8 @@ void CompletionTrainer::Step(int step, double share, SampleStream& stream) {
   const CompletionBatch batch = BatchOf(samples, options_.threads);
   const double rise = std::min(1.0, (step + 1.0) / std::max(options_.warm_up, 1));
   const double fall = 0.5 * (1 + std::cos(std::numbers::pi * std::min(share, 1.0)));
-  const double loss = network_.TrainStep(batch, options_.learning_rate * rise * fall);
+  const double loss =
+      network_.TrainStep(batch, options_.learning_rate * rise * fall, options_.replicas);
   CheckInput(std::isfinite(loss),
              fmt::format("the training diverged at step {}; lower learning_rate {}", step,
                          options_.learning_rate));
@@ -310,6 +311,8 @@ void CompletionTrainingOptions::Visit(SettingsVisitor& v) {
   v.Seed("seed", seed, "random seed");
   v.Integer("steps", steps, {1, 1e9}, "number of training steps");
   v.Integer("batch", batch, {2, 4096}, "samples in a step");
+  v.Integer("replicas", replicas, {1, 256},
+            "parts of a step, each computed by a thread of its own; the model depends on it");
   v.Real("learning_rate", learning_rate, {1e-6, 1}, "learning rate of Adam");
   v.Integer("warm_up", warm_up, {0, 1e6}, "steps in which the learning rate rises");
   v.Real("max_minutes", max_minutes, {0, 1e6},

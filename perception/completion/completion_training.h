@@ -18,8 +18,9 @@ namespace pickbed::perception {
 
 struct CompletionTrainingOptions {
   uint64_t seed = 0;
-  int steps = 8000;
+  int steps = 6500;
   int batch = 16;               // samples in a step
+  int replicas = 2;             // parts of a step that are computed at the same time
   double learning_rate = 2e-3;  // of Adam; decays to zero along a cosine
   int warm_up = 50;             // steps in which the learning rate rises
   double max_minutes = 0;       // shortens the schedule; 0 = none

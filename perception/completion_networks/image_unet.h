@@ -51,7 +51,7 @@ struct ImageUnet : torch::nn::Module {
   // Returns n x width x 64^2 features of n x in x 64^2 values.
   at::Tensor forward(const at::Tensor& images) {
     const auto doubled = [](const at::Tensor& x) {
-      return x.repeat_interleave(2, 2).repeat_interleave(2, 3);
+      return at::upsample_nearest2d(x, {2 * x.size(2), 2 * x.size(3)});
     };
     const at::Tensor x_64 = second->forward(first->forward(images));
     const at::Tensor x_32 = at_32->forward(down_32->forward(x_64));

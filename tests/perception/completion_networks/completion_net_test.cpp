@@ -26,6 +26,38 @@ TEST(CompletionNetTable, EachKindLearnsOneShapeByHeart) {
   }
 }
 
+// Two replicas have the mean loss of their views, and use the gradients and statistics of both.
+TEST(CompletionNetwork, ReplicasShareAStep) {
+  const auto solid = SphereSolid(0.05f);
+  std::vector<CompletionSample> samples;
+  for (int seed = 0; seed < 2; ++seed) {
+    Rng rng(seed);
+    const RandomView drawn = DrawView(*solid, {}, {}, rng);
+    samples.push_back(MakeSample(*solid, drawn, 256, rng));
+  }
+  const TurnedSample a{&samples[0], 0}, b{&samples[1], 0};
+  struct Result {
+    double loss;
+    std::vector<float> weights, statistics;
+  };
+  const auto step = [](std::vector<TurnedSample> views, int replicas) {
+    CompletionNetwork network(SmallNetwork("implicit"), 1);
+    const double loss = network.TrainStep(BatchOf(views), 5e-3, replicas);
+    return Result{loss, network.Weights(), network.Statistics()};
+  };
+  const Result ab = step({a, b}, 2), ba = step({b, a}, 2), only_a = step({a}, 1),
+               only_b = step({b}, 1);
+  EXPECT_NEAR(ab.loss, (only_a.loss + only_b.loss) / 2, 1e-6);
+  EXPECT_EQ(ab.weights, ba.weights);
+  EXPECT_NE(ab.weights, only_a.weights);
+  ASSERT_EQ(ab.statistics.size(), only_a.statistics.size());
+  for (size_t i = 0; i < ab.statistics.size(); ++i) {
+    EXPECT_NEAR(ab.statistics[i], (only_a.statistics[i] + only_b.statistics[i]) / 2, 1e-6);
+  }
+  // There are not more replicas than views.
+  EXPECT_EQ(step({a, b}, 5).weights, ab.weights);
+}
+
 TEST(CompletionNetTable, RefusesAnUnknownKindAndAModelOfAnotherKind) {
   EXPECT_THROW(CompletionNetwork(SmallNetwork("gan")), InputError);
   const auto file = std::filesystem::path(::testing::TempDir()) / "implicit.net";
