@@ -1,14 +1,19 @@
 #include "grasp/cloud/height_map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "scenes/base/error.h"
 
 namespace pickbed::grasp {
 namespace {
 
 constexpr float kEmpty = -std::numeric_limits<float>::infinity();
 constexpr float kUnlimited = std::numeric_limits<float>::infinity();
+constexpr float kMaxCells = 8192;  // along each side of a map
 
 // Whether the column of a cell passes through the inside of the bin at the height of its rim.
 bool IsInBin(const HeightMap& map, const Bin& bin, int column, int row) {
@@ -85,6 +90,11 @@ HeightMap MakeHeightMap(const ObservedSurface& surface, const Eigen::Matrix3d& R
     low = low.min(points_G.back().head<2>().array());
     high = high.max(points_G.back().head<2>().array());
   }
+  const Eigen::Array2f extent_m = high - low;
+  CheckInput((extent_m / static_cast<float>(cell_m) < kMaxCells).all(),
+             fmt::format("the seen surface is {:.1f} m x {:.1f} m wide, too much for a height map "
+                         "with cells of {:g} m; check the unit of the depth",
+                         extent_m.x(), extent_m.y(), cell_m));
   map.corner_m = low.matrix().cast<double>();
   map.columns = static_cast<int>((high.x() - low.x()) / cell_m) + 1;
   map.rows = static_cast<int>((high.y() - low.y()) / cell_m) + 1;

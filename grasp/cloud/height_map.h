@@ -41,7 +41,8 @@ struct HeightMap {
 
 // Makes the map for one orientation of the hand. Cells without a point take the largest height of
 // their neighbors if at least half of these have one. Other cells are solid without limit if they
-// are inside the bin at its rim, or if the bin is unknown, and else free.
+// are inside the bin at its rim, or if the bin is unknown, and else free. Throws InputError for a
+// surface that is wider than 8192 cells.
 HeightMap MakeHeightMap(const ObservedSurface& surface, const Eigen::Matrix3d& R_BG, double cell_m,
                         const Bin* bin);
 

@@ -75,7 +75,7 @@ RgbdFrame BinnedFrame(const RgbdFrame& frame, int factor, int threads) {
   const auto bin_row = [&](int y, std::vector<float>& readings) {
     for (int x = 0; x < width; ++x) {
       readings.clear();
-      int r = 0, g = 0, b = 0;
+      int64_t r = 0, g = 0, b = 0;
       for (int i = 0; i < block; ++i) {
         const int u = x * factor + i % factor, v = y * factor + i / factor;
         const float z = frame.depth_m(u, v);
@@ -88,7 +88,9 @@ RgbdFrame BinnedFrame(const RgbdFrame& frame, int factor, int threads) {
       }
       binned.depth_m(x, y) = DepthOf(readings, block);
       if (has_color) {
-        const auto mean = [&](int sum) { return static_cast<uint8_t>((sum + block / 2) / block); };
+        const auto mean = [&](int64_t sum) {
+          return static_cast<uint8_t>((sum + block / 2) / block);
+        };
         binned.color(x, y) = {mean(r), mean(g), mean(b)};
       }
     }

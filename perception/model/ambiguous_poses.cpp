@@ -129,12 +129,12 @@ std::vector<Pose> AmbiguousPoses(const ObjectModel& model, const ModelPoints& po
                    [](const Turn& a, const Turn& b) { return a.gap_m < b.gap_m; });
   std::vector<Pose> kept;
   for (const Turn& turn : turns) {
+    if (static_cast<int>(kept.size()) >= options.max_poses) break;
     const auto is_near = [&](const Pose& other) {
       return distance(turn.S_O, other) < options.min_move_diameters;
     };
     if (is_near(Pose::Identity()) || std::any_of(kept.begin(), kept.end(), is_near)) continue;
     kept.push_back(turn.S_O);
-    if (static_cast<int>(kept.size()) == options.max_poses) break;
   }
   return kept;
 }

@@ -18,21 +18,8 @@ namespace {
 
 constexpr size_t kFewestVertices = 4;   // fewer cannot enclose a volume
 constexpr double kMaxCoordinate = 1e7;  // in the unit of the file, as of a mesh
-// Share of its size. The hull of a thinner piece has no volume, see sim/convex/convex_hull.h.
+// Thickness over length, see SpansAVolume().
 constexpr double kThinnest = 2e-4;
-
-// Returns whether the points are not all near one plane.
-bool SpanAVolume(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : points) mean += p / static_cast<double>(points.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& p : points) spread += (p - mean) * (p - mean).transpose();
-  const Eigen::Matrix3d axes =
-      Eigen::JacobiSVD<Eigen::Matrix3d>(spread, Eigen::ComputeFullU).matrixU();
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& p : points) box.extend(axes.transpose() * (p - mean));
-  return box.sizes().minCoeff() > kThinnest * box.sizes().maxCoeff();
-}
 
 // Returns whether the word is one finite number.
 bool IsNumber(const std::string& word) {
@@ -44,6 +31,18 @@ bool IsNumber(const std::string& word) {
 }
 
 }  // namespace
+
+bool SpansAVolume(std::span<const Eigen::Vector3d> points) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : points) mean += p / static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& p : points) spread += (p - mean) * (p - mean).transpose();
+  const Eigen::Matrix3d axes =
+      Eigen::JacobiSVD<Eigen::Matrix3d>(spread, Eigen::ComputeFullU).matrixU();
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : points) box.extend(axes.transpose() * (p - mean));
+  return box.sizes().minCoeff() > kThinnest * box.sizes().maxCoeff();
+}
 
 std::vector<ConvexPiece> LoadConvexPieces(const std::filesystem::path& path,
                                           const std::string& unit) {
@@ -57,7 +56,7 @@ std::vector<ConvexPiece> LoadConvexPieces(const std::filesystem::path& path,
   const auto check_last_piece = [&] {
     check(pieces.empty() || pieces.back().vertices_O.size() >= kFewestVertices,
           fmt::format("a convex piece needs at least {} vertices", kFewestVertices));
-    check(pieces.empty() || SpanAVolume(pieces.back().vertices_O),
+    check(pieces.empty() || SpansAVolume(pieces.back().vertices_O),
           "the vertices of a convex piece are in one plane");
   };
   for (std::string line; std::getline(lines, line);) {

@@ -2,7 +2,9 @@
 
 // Reads convex pieces from an OBJ file with one "o" group for each piece.
 
+#include <Eigen/Core>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,5 +18,9 @@ namespace pickbed::scenes {
 // vertices or with all of them in one plane.
 std::vector<ConvexPiece> LoadConvexPieces(const std::filesystem::path& path,
                                           const std::string& unit = "m");
+
+// Returns whether the points are not all near one plane: their thickness is over 2e-4 of their
+// length. The hull of a thinner piece has no volume, see sim/convex/convex_hull.h.
+bool SpansAVolume(std::span<const Eigen::Vector3d> points);
 
 }  // namespace pickbed::scenes

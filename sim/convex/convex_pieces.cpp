@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <sstream>
+#include <utility>
 
 #include "scenes/base/cache_file.h"
 #include "scenes/base/error.h"
+#include "scenes/objects/convex_file.h"
 #include "scenes/objects/object_catalog.h"
 #include "sim/convex/convex_cuts.h"
 #include "sim/convex/convex_hull.h"
@@ -18,7 +20,7 @@ namespace {
 using Eigen::Vector3d;
 
 // Increase it whenever the same mesh and options give other pieces.
-constexpr int kCacheVersion = 3;
+constexpr int kCacheVersion = 4;
 // Share of the hull's size. A vertex that is less far outside is not added.
 constexpr double kNegligible = 1e-5;
 
@@ -121,7 +123,8 @@ std::vector<ConvexPiece> DecomposeConvex(const TriangleMesh& mesh,
   for (const std::vector<Vector3d>& points : CutByPlanes(mesh, cuts)) {
     const ConvexHull hull = MakeConvexHull(points);
     if (hull.vertices.empty()) continue;  // a sliver without volume
-    pieces.push_back({Thinned(hull.vertices, options.max_vertices)});
+    std::vector<Vector3d> vertices = Thinned(hull.vertices, options.max_vertices);
+    if (scenes::SpansAVolume(vertices)) pieces.push_back({std::move(vertices)});
   }
   return pieces;
 }

@@ -1,6 +1,7 @@
 // Height maps, face pairs and hand orientations of surfaces without points, of one point, and of
 // points on a line or plane.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,6 +16,7 @@
 #include "grasp/cloud/opposing_faces.h"
 #include "tests/grasp/cloud/cloud_scene.h"
 #include "tests/grasp/grasp_scenes.h"
+#include "tests/support/error_of.h"
 
 namespace pickbed::tests {
 namespace {
@@ -51,6 +53,14 @@ TEST(DegenerateMaps, WithoutPointsThereIsNoCell) {
     EXPECT_FALSE(map.Contains(0, 0));
     EXPECT_TRUE(PairsOf(map, ObservedSurface(), SmallJaw().hand).empty());
   }
+}
+
+// Depth in another unit would need gigabytes.
+TEST(DegenerateMaps, RefuseASurfaceThatIsTooWide) {
+  const ObservedSurface surface = SurfaceAt({Vector3d(-30, 0, 0), Vector3d(30, 1, 0)});
+  EXPECT_THAT(ErrorOf([&] { MakeHeightMap(surface, DownAndTilted()[0], kMapCell_m, nullptr); }),
+              testing::HasSubstr("60.0 m x 1.0 m wide, too much for a height map with cells of "
+                                 "0.002 m; check the unit of the depth"));
 }
 
 TEST(DegenerateMaps, EqualPointsAreOneCellAtTheirHeight) {

@@ -148,6 +148,15 @@ TEST(DegenerateAmbiguousPoses, AreFiniteAndApart) {
   }
 }
 
+TEST(DegenerateAmbiguousPoses, NoneAreReturnedIfNoneAreAskedFor) {
+  const auto object = ObjectOf(BoxMesh({0.06, 0.04, 0.03}, Vector3d::Zero()));
+  const ModelPoints points = MakeModelPoints(*object, 50, 20);
+  AmbiguousPoseOptions options;
+  ASSERT_FALSE(AmbiguousPoses(*object, points, PoseDistance(*object), options).empty());
+  options.max_poses = 0;
+  EXPECT_TRUE(AmbiguousPoses(*object, points, PoseDistance(*object), options).empty());
+}
+
 TEST(DegenerateViewsOfModels, VisiblePointsExistForEveryPose) {
   const ModelPoints model = MakeModelPoints(*ObjectOf(BracketMesh()), 200, 1);
   const ModelPoints one = MakeModelPoints(*ObjectOf(BracketMesh()), 1, 20);

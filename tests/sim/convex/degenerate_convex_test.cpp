@@ -169,6 +169,14 @@ TEST(DegenerateConvexPieces, ObjectsWithoutVolumeAreRefusedByName) {
   unsetenv("XDG_CACHE_HOME");
 }
 
+// `object add` must not write pieces that a run refuses.
+TEST(DegenerateConvexPieces, AFoilHasNoPieces) {
+  for (const double thickness_m : {1e-3, 5e-5, 5e-6, 5e-7}) {
+    const auto pieces = DecomposeConvex(BoxShape({0.08, 0.05, thickness_m}));
+    EXPECT_EQ(pieces.size(), thickness_m > 2e-4 * 0.08 ? 1u : 0u) << thickness_m;
+  }
+}
+
 TEST(DegeneratePieceQuality, MeshesWithoutVolumeAreRefused) {
   const std::vector<ConvexPiece> box{{BoxShape({0.1, 0.2, 0.3}).vertices}};
   for (const DegenerateMesh& test : MeshesToCut()) {
