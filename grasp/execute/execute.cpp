@@ -1,8 +1,10 @@
 #include "grasp/execute/execute.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "grasp/execute/pick_up.h"
+#include "scenes/base/error.h"
 
 namespace pickbed::grasp {
 namespace {
@@ -240,6 +242,8 @@ ExecuteResult ExecuteGrasp(const Scene& scene, const ObjectSet& objects, const G
                            const ExecuteOptions& options, const MotionListener& on_step) {
   CheckSettings("ExecuteOptions", options);
   CheckSettings("RetentionOptions", options.retention);
+  CheckInput(grasp.X_WG.matrix().allFinite() && std::isfinite(grasp.width_m),
+             "the pose or width of the grasp is not finite");
   ExecuteResult result = Attempt(scene, objects, grasp, gripper, target, options, on_step).Run();
   if (result.outcome.failure != FailureReason::kPhysicsFailed) {
     result.after =

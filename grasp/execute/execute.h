@@ -89,8 +89,8 @@ struct ExecuteResult {
 
 // Executes the grasp on the snapshot `scene`. A failed grasp is a result. Displaced neighbors are
 // counted but do not affect success. Instances that left the bin are missing in `after`. Equal
-// inputs give identical bytes. Calls `on_step`, if not empty, after each step. Throws only
-// std::logic_error, for objects without convex pieces (see
+// inputs give identical bytes. Calls `on_step`, if not empty, after each step. Throws InputError
+// for a grasp that is not finite, and std::logic_error for objects without convex pieces (see
 // sim/convex/convex_pieces.h).
 ExecuteResult ExecuteGrasp(const Scene& scene, const ObjectSet& objects, const Grasp& grasp,
                            const Gripper& gripper, const GraspTarget& target,

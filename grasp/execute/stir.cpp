@@ -1,6 +1,9 @@
 #include "grasp/execute/stir.h"
 
+#include <cmath>
+
 #include "grasp/place/hand_motion.h"
+#include "scenes/base/error.h"
 #include "sim/hands/hand.h"
 
 namespace pickbed::grasp {
@@ -14,6 +17,9 @@ ExecuteResult StirBin(const Scene& scene, const ObjectSet& objects, const Grippe
                       const StirPath& path, const StirOptions& options,
                       const PhysicsOptions& physics, const MotionListener& on_step) {
   CheckSettings("StirOptions", options);
+  CheckInput(path.X_WG_from.matrix().allFinite() && path.X_WG_to.matrix().allFinite() &&
+                 std::isfinite(path.rise_m),
+             "the path of the stir is not finite");
   AttemptWorldOptions all_move;
   all_move.all_active = true;
   AttemptWorld world(scene, objects, path.X_WG_from, {}, {0, 0}, kNoInstance, all_move, physics);

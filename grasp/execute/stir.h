@@ -28,7 +28,8 @@ struct StirPath {
 
 // Stirs the bin in physics. All instances can move. The outcome has the failure kStirred, and the
 // number of instances that moved; or kPhysicsFailed, and the scene is unchanged. Instances that
-// left the bin are missing in `after`. Equal inputs give identical bytes.
+// left the bin are missing in `after`. Equal inputs give identical bytes. Throws InputError for a
+// path that is not finite.
 ExecuteResult StirBin(const Scene& scene, const ObjectSet& objects, const Gripper& gripper,
                       const StirPath& path, const StirOptions& options = {},
                       const PhysicsOptions& physics = ExecuteOptions().physics,

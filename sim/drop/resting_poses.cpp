@@ -130,6 +130,11 @@ std::vector<RestingDirection> DirectionsFrom(const std::string& text) {
   RestingDirection d;
   while (in >> d.up_O.x() >> d.up_O.y() >> d.up_O.z() >> d.probability) directions.push_back(d);
   CheckInput(in.eof() && text.ends_with('\n'), "a line is cut short");
+  for (const RestingDirection& direction : directions) {
+    CheckInput(std::abs(direction.up_O.norm() - 1) < 1e-6 && direction.probability > 0 &&
+                   direction.probability <= 1,
+               "a direction has no unit length, or its probability is not from 0 to 1");
+  }
   return directions;
 }
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <optional>
@@ -21,6 +22,8 @@
 #include "scenes/shape_families/solid_builder.h"
 #include "sim/convex/convex_hull.h"
 #include "sim/convex/convex_pieces.h"
+#include "sim/drop/fill_counts.h"
+#include "sim/drop/resting_poses.h"
 #include "tests/eval/cube_scenario.h"
 #include "tests/fuzz/format_targets.h"
 #include "tests/fuzz/target_parts.h"
@@ -176,6 +179,25 @@ std::string PiecesValue() {
   return text;
 }
 
+std::string RestingValue() {
+  auto cube = std::make_shared<ObjectModel>(*EasyCube()[0]);
+  cube->resting_O.clear();
+  const ObjectSet known = WithRestingDirections({cube});
+  std::string text;
+  for (const RestingDirection& resting : known[0]->resting_O) {
+    RequireLaw(std::abs(resting.up_O.norm() - 1) < 1e-6, "a resting direction has unit length");
+    text += fmt::format("{} {} {} {}\n", resting.up_O.x(), resting.up_O.y(), resting.up_O.z(),
+                        resting.probability);
+  }
+  return text;
+}
+
+std::string FillValue() {
+  Bin small;
+  small.inner_size_m = {0.15, 0.12, 0.08};
+  return fmt::format("{}", CountsForFill(small, EasyCube(), {1}, 0.6)[0]);
+}
+
 // The mesh that a plug-in gets.
 std::string PluginMeshValue() {
   MessageWriter message;
@@ -190,9 +212,13 @@ std::string PluginMeshValue() {
 
 std::vector<FuzzTarget> CacheTargets() {
   FuzzTarget shape = CacheTarget("cache_shape", ".mesh", ShapeValue);
-  shape.replays = 4;  // a second each
+  FuzzTarget resting = CacheTarget("cache_resting", ".txt", RestingValue);
+  FuzzTarget fill = CacheTarget("cache_fill", ".txt", FillValue);
+  shape.replays = resting.replays = fill.replays = 4;  // a second each
   return {
       shape,
+      resting,
+      fill,
       CacheTarget("cache_mesh", ".mesh", ImportedMeshValue),
       CacheTarget("cache_codes", ".bin", CodesValue),
       CacheTarget("cache_volumes", ".bin", VolumesValue),
