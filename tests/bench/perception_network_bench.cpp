@@ -71,6 +71,26 @@ void Complete(benchmark::State& state) {
 }
 BENCHMARK(Complete)->Name("completion/network/64")->Unit(benchmark::kMillisecond);
 
+// A training step of the completion network with 16 views. With two replicas it uses two cores.
+void TrainCompletionStep(benchmark::State& state) {
+  UseOneThread();
+  const auto solid = SolidOf(SampleShape(FindShapeFamily("carton"), ShapeSplit::kSeen, 1).solid);
+  Rng rng(1);
+  const CompletionSample sample = MakeSample(*solid, DrawView(*solid, {}, {}, rng), 2048, rng);
+  const std::vector<TurnedSample> views(16, {&sample, 0});
+  const CompletionBatch batch = BatchOf(views);
+  CompletionNetwork network(CompletionNetworkOptions{}, 1);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(network.TrainStep(batch, 1e-3, static_cast<int>(state.range(0))));
+  }
+}
+BENCHMARK(TrainCompletionStep)
+    ->Name("completion/train_step/replicas")
+    ->Arg(1)
+    ->Arg(2)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
 void Patches(benchmark::State& state) {
   const BracketScene& scene = SharedScene();
   for (auto _ : state) {
