@@ -100,6 +100,7 @@ std::vector<std::string> MethodsWith(const std::vector<std::string>& models) {
   for (const CompleterRow& row : CompleterTable()) {
     if (row.kind == nullptr || !ModelOfKind(models, row.kind).empty()) methods.push_back(row.name);
   }
+  methods.push_back(kTrueShape);
   return methods;
 }
 
@@ -113,14 +114,22 @@ CompletionBenchmark RunCompletionBenchmark(
                          options.data_folder.string()));
   CompletionBenchmark benchmark;
   benchmark.methods = options.methods;
-  std::vector<std::unique_ptr<ShapeCompleter>> completers;
+  std::vector<std::unique_ptr<ShapeCompleter>> completers;  // null: the truth
   for (const std::string& method : options.methods) {
+    if (method == kTrueShape) {
+      completers.push_back(nullptr);
+      continue;
+    }
     CompletionOptions own;
     own.method = method;
     own.model = ModelFor(method, options.models);
     own.cells = options.cells;
     completers.push_back(MakeCompleter(own));
   }
+  const auto first_completer =
+      std::ranges::find_if(completers, [](const auto& completer) { return completer != nullptr; });
+  CheckInput(first_completer != completers.end(),
+             fmt::format("method '{}' needs another method, whose cells it fills", kTrueShape));
   const std::vector<DepthSensor> sensors = DepthSensorsNamed({options.sensor});
   std::vector<TestShape> shapes;
   for (const std::string& set : options.sets) {
@@ -147,13 +156,15 @@ CompletionBenchmark RunCompletionBenchmark(
       std::vector<double> seconds;
       for (const auto& completer : completers) {
         const auto start = std::chrono::steady_clock::now();
-        completed.push_back(completer->Complete(drawn.view));
+        completed.push_back(completer ? completer->Complete(drawn.view) : CompletedVolume());
         const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
         seconds.push_back(taken.count());
       }
-      const CompletedVolume truth = TrueVolume(*shape.solid, drawn, completed.front());
+      const CompletedVolume truth =
+          TrueVolume(*shape.solid, drawn, completed[first_completer - completers.begin()]);
       const std::vector<Eigen::Vector3f> surface = TrueSurfacePoints(*shape.solid, drawn, truth);
       for (size_t m = 0; m < completers.size(); ++m) {
+        if (!completers[m]) completed[m] = truth;
         const float level = options.level > 0 ? static_cast<float>(options.level)
                                               : perception::LevelForIou(completed[m]);
         benchmark.rows.push_back(

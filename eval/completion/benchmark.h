@@ -17,7 +17,7 @@
 namespace pickbed::eval {
 
 struct CompletionBenchmarkOptions {
-  std::vector<std::string> methods;   // rows of CompleterTable()
+  std::vector<std::string> methods;   // rows of CompleterTable(), or kTrueShape
   std::vector<std::string> sets;      // of TestSetNames()
   std::filesystem::path data_folder;  // with folders ycb and industrial of meshes
   // Model files or names in assets/models. A method uses the first of its kind.
@@ -52,7 +52,10 @@ struct CompletionBenchmark {
 // InputError for a file that is missing or damaged.
 std::string ModelOfKind(const std::vector<std::string>& models, const std::string& kind);
 
-// Returns the methods that need no model, or for which there is one.
+// Method of the true shape. It shows what the size of the cells costs.
+inline constexpr const char* kTrueShape = "truth";
+
+// Returns the methods that need no model, or for which there is one, and the truth.
 std::vector<std::string> MethodsWith(const std::vector<std::string>& models);
 
 // Runs the benchmark. `on_progress` gets the number of shapes done and of all; false stops it.

@@ -59,8 +59,8 @@ class CompletedPlanner : public Planner {
 
   // Without a known bin, the lowest observed point is taken as the height of a table. Causes of
   // rejection: as PlanWithTools(), as CloudAntipodal, "possible matter" and "score too low".
-  // Without objects, jaws grasp the observed surface if `grasps_observed`, and other grippers have
-  // no grasp.
+  // Without objects, jaws and cups grasp the observed surface if `grasps_observed`. Grasps of the
+  // observed surface are not tested against possible matter.
   PlanResult Plan(const PlannerInput& input) override;
 
  private:

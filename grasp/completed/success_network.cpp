@@ -133,8 +133,10 @@ SuccessNetwork LoadSuccessNetwork(const std::filesystem::path& file) {
   try {
     return Parse(bytes);
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}; make it again with `pickbed train grasps`", file.string(),
-                                 error.what()));
+    throw InputError(
+        fmt::format("{}: {}; use the pickbed that wrote it, or train another one with "
+                    "`pickbed train grasps`",
+                    file.string(), error.what()));
   }
 }
 

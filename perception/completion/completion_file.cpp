@@ -92,8 +92,10 @@ CompletionModel LoadCompletionModel(const std::filesystem::path& file, const std
   try {
     return Parse(bytes, file.string(), device);
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}; make it again with `pickbed train completion`",
-                                 file.string(), error.what()));
+    throw InputError(
+        fmt::format("{}: {}; use the pickbed that wrote it, or train another one with `pickbed "
+                    "train completion`",
+                    file.string(), error.what()));
   }
 }
 

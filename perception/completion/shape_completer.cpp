@@ -28,7 +28,7 @@ class NetworkCompleter : public ShapeCompleter {
     const std::string& own = model_.info.network.kind;
     CheckInput(own == kind,
                fmt::format("{}: is a model of kind {}, but method {} needs kind {}; train one with "
-                           "`pickbed train completion --set network.kind={}`",
+                           "`pickbed train completion --set network.kind={}` and name its file",
                            TrainedFile(options.model).string(), own, options.method, kind, kind));
   }
   CompletedVolume Complete(const SegmentView& view) override {

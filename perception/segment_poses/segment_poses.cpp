@@ -22,7 +22,10 @@ uint64_t BookKey(const SegmentPoseOptions& options, const ObjectModel& model,
   std::string text = WriteSettingsKey([&](SettingsVisitor& v) { completion.Visit(v); });
   text += WriteSettingsKey([&](SettingsVisitor& v) { book.Visit(v); });
   text += fmt::format("{:016x} {}", model.mesh_hash, views);
-  if (completion.method == "network") text += ReadFileBytes(TrainedFile(completion.model));
+  for (const CompleterRow& row : CompleterTable()) {
+    const bool has_model = row.name == completion.method && row.kind != nullptr;
+    if (has_model) text += ReadFileBytes(TrainedFile(completion.model));
+  }
   return HashBytes(text.data(), text.size());
 }
 

@@ -182,7 +182,7 @@ void EstimatorSpec::Visit(SettingsVisitor& v) {
          "method that completes the shapes of occluded segments for additional poses: none, or a "
          "method of `pickbed benchmark completion`; only for estimator descriptor");
   v.Text("completion_model", completion_model, {},
-         "model of completion method network: a file, or a name in assets/models");
+         "model of completion method network or vae: a file, or a name in assets/models");
   v.Real("noise_mm", noise_mm, {0, 1000},
          "standard deviation of the position error per axis, mm; only for estimator oracle");
   v.Real("noise_deg", noise_deg, {0, 180},

@@ -54,6 +54,7 @@ run_picks_on_true_shapes() {
   expect 0 "$pickbed" run small.yaml --trials 2 --set planner.name=completed \
     --set planner.completion=truth --pictures 0 --out picks
   [ "$(wc -l <picks/attempts.csv)" -gt 2 ] || fail "not one attempt in each of two trials"
+  grep -qE "attempts that picked +[1-9]" last.out || fail "no attempt on true shapes picked"
   expect 1 "$pickbed" run small.yaml --set planner.name=completed --set planner.completion=magic \
     --out bad
   grep -q "planner.completion" last.err || fail "the setting is not named"

@@ -167,20 +167,63 @@ TEST(CompletionBenchmark, RefusesRepeatedNamesMissingFoldersAndNoShapes) {
   EXPECT_THROW(run(wrong), InputError);
 }
 
-TEST(CompletionBenchmark, DifferenceOfAMethodToItselfIsZero) {
+// Another training must not replace the shipped model by a worse one, or by one over 3 MB.
+TEST(ShippedCompletionModel, IsSmallAndFarBetterThanTheSkirt) {
+  EXPECT_LT(std::filesystem::file_size(TrainedFile("completion")), 3'000'000u);
+  CompletionBenchmarkOptions options;
+  options.methods = {"network", "skirt"};
+  options.sets = {"unseen_families"};
+  options.shapes = options.views = 1;
+  options.cells = 32;
+  const CompletionBenchmark benchmark =
+      RunCompletionBenchmark(options, [](int, int) { return true; });
+  const auto mean_iou = [&](const char* method) {
+    const auto iou = [](const CompletionMeasures& m) { return m.iou; };
+    return MeanOverShapes(benchmark, method, "unseen_families", false, iou).mean;
+  };
+  EXPECT_GT(mean_iou("network"), 0.45);
+  EXPECT_GT(mean_iou("network"), mean_iou("skirt") + 0.1);
+}
+
+// The true shape is right in each cell, whatever the other method says.
+TEST(CompletionBenchmark, TheTruthIsAMethod) {
+  CompletionBenchmarkOptions options;
+  options.methods = {"truth", "skirt"};
+  options.sets = {"unseen_families"};
+  options.shapes = options.views = 1;
+  options.cells = 24;
+  const CompletionBenchmark benchmark =
+      RunCompletionBenchmark(options, [](int, int) { return true; });
+  int rows = 0;
+  for (const CompletionRow& row : benchmark.rows) {
+    const bool is_truth = row.method == "truth";
+    EXPECT_EQ(row.measures.iou == 1, is_truth) << row.shape;
+    rows += is_truth;
+  }
+  EXPECT_GT(rows, 0);
+  options.methods = {"truth"};
+  EXPECT_THROW(RunCompletionBenchmark(options, [](int, int) { return true; }), InputError);
+}
+
+TEST(CompletionBenchmark, MeansAndDifferencesAreOverShapes) {
   CompletionBenchmark benchmark;
   for (int shape = 0; shape < 6; ++shape) {
-    CompletionRow row{"skirt", "seen", std::to_string(shape), false, 0, {}, 0.1};
-    row.measures.iou = 0.1 * shape;
-    benchmark.rows.push_back(row);
+    for (const bool is_skirt : {true, false}) {
+      CompletionRow row{
+          is_skirt ? "skirt" : "mirror", "seen", std::to_string(shape), false, 0, {}, 0.1};
+      row.measures.iou = is_skirt ? 0.1 * shape : 0.1 * shape + 0.2 - 0.02 * shape;
+      benchmark.rows.push_back(row);
+    }
   }
   const auto iou = [](const CompletionMeasures& m) { return m.iou; };
   const ShapeMean mean = MeanOverShapes(benchmark, "skirt", "seen", false, iou);
   EXPECT_NEAR(mean.mean, 0.25, 1e-12);
   // Student's t with 5 degrees of freedom: 2.571 * sqrt(0.035 / 6).
   EXPECT_NEAR(mean.ci95.high - mean.mean, 0.1963, 1e-3);
-  const ShapeMean none = DifferenceOverShapes(benchmark, "skirt", "skirt", "seen", false, iou);
-  EXPECT_EQ(none.mean, 0);
+  // The differences are 0.2 - 0.02 i, so they have a fifth of the standard deviation.
+  const ShapeMean more = DifferenceOverShapes(benchmark, "mirror", "skirt", "seen", false, iou);
+  EXPECT_NEAR(more.mean, 0.15, 1e-12);
+  EXPECT_NEAR(more.ci95.high - more.mean, 0.2 * 0.1963, 1e-3);
 }
 
 }  // namespace

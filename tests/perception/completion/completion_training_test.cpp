@@ -263,6 +263,34 @@ TEST(CompletionTraining, AStoppedAndResumedTrainingGivesTheSameBytes) {
   EXPECT_EQ(ReadFileBytes(TestFile("whole.net")), ReadFileBytes(TestFile("stopped.net")));
 }
 
+TEST(CompletionTraining, StopsAtItsTimeLimitAndWritesAModel) {
+  CompletionTrainingOptions options = TinyTraining();
+  options.steps = 1000000;
+  options.max_minutes = 0.01;
+  const CompletionReport report = TrainCompletion(Job("minutes"), options);
+  EXPECT_TRUE(report.finished);
+  EXPECT_GT(report.steps, 0);
+  EXPECT_LT(report.steps, options.steps);
+  EXPECT_GE(report.seconds, 0.6);
+  EXPECT_EQ(LoadCompletionModel(TestFile("minutes.net")).info.steps, report.steps);
+}
+
+// With a learning rate of nearly zero, held-out views do not get better for long.
+TEST(CompletionTraining, StopsEarlyWithoutProgress) {
+  CompletionTrainingOptions options = TinyTraining();
+  options.steps = 400;
+  options.warm_up = 1000000;
+  options.measure_every = 4;
+  options.patience = 3;
+  const CompletionReport report = TrainCompletion(Job("early"), options);
+  EXPECT_TRUE(report.finished);
+  EXPECT_TRUE(report.stopped_early);
+  EXPECT_LT(report.steps, options.steps);
+  options.patience = 0;
+  options.steps = report.steps + 4;
+  EXPECT_FALSE(TrainCompletion(Job("late"), options).stopped_early);
+}
+
 TEST(CompletionTraining, RefusesReversedRangesOfTheViews) {
   CompletionTrainingOptions distance = TinyTraining(), diameter = distance, hidden = distance;
   distance.views.min_distance_m = 2;
