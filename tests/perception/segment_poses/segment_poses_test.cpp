@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "perception/completion/completion_file.h"
 #include "perception/completion/segment_window.h"
 #include "perception/features/labelled_patches.h"
 #include "perception/model/pose_distance.h"
@@ -15,6 +16,7 @@
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "tests/perception/completion/solid_views.h"
+#include "tests/perception/completion_networks/small_networks.h"
 #include "tests/support/error_of.h"
 #include "tests/support/ray_cast_views.h"
 #include "tests/support/synthetic_depth.h"
@@ -212,6 +214,27 @@ TEST(SegmentPoses, ASecondUseReadsTheCacheAndGivesTheSamePoses) {
   ASSERT_FALSE(first.at(0).empty());
   for (size_t i = 0; i < first[0].size(); ++i) {
     EXPECT_EQ(first[0][i].X_CO.matrix(), second[0][i].X_CO.matrix());
+  }
+}
+
+// A model that is trained again into the same file completes in another way.
+TEST(SegmentPoses, AnotherModelInTheSameFileMakesAnotherCodebook) {
+  for (const auto& [method, kind] : {std::pair("network", "implicit"), std::pair("vae", "vae")}) {
+    const TemporaryFolder folder;
+    RayCastViews views = Brackets();
+    SegmentPoseOptions options = SkirtOptions();
+    options.book.views = 4;
+    options.completion.method = method;
+    options.completion.model = (folder.path() / "own.net").string();
+    CompletionModelInfo info;
+    info.network = SmallNetwork(kind);
+    info.network.rounds = 1;
+    for (const int seed : {1, 1, 2}) {
+      SaveCompletionModel(options.completion.model, info, CompletionNetwork(info.network, seed));
+      const SegmentPoses poses({views, folder.path() / "cache", {}}, options);
+    }
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path() / "cache"), {}), 2)
+        << method;
   }
 }
 
