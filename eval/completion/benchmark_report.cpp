@@ -273,6 +273,7 @@ void AddCompletionBenchmark(const std::filesystem::path& folder,
   page.Heading("Seconds");
   TableCells seconds{{"method", "median seconds of a completion"}};
   for (const std::string& method : benchmark.methods) {
+    if (method == kTrueShape) continue;
     seconds.push_back({method, fmt::format("{:.4f}", MedianSeconds(benchmark, method))});
   }
   page.Table(seconds);

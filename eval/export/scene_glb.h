@@ -52,8 +52,7 @@ struct SceneGlbOptions {
   double hypothesis_alpha = 0.5;  // opacity, 0..1
   double bin_alpha = 0.3;
   double hand_alpha = 0.8;
-  // Probabilities at the surfaces of completed segments, as in the planner of
-  // grasp/completed/completed_planner.h: where it grasps, and what its hands keep out of.
+  // Surface level and possible-matter level of completed segments, as in CompletedPlannerOptions.
   double completed_level = 0.45;
   double possible_level = 0.3;
   double possible_alpha = 0.25;

@@ -179,7 +179,7 @@ ExplanationPage ExplainUnknown(const ScenarioSpec& spec, const ObjectSet& object
   }
   page.Heading("In 3D");
   page.Note(
-      "Each completed segment has a color, which is not that of the picture above. The planner "
+      "Each completed segment has a color, another one than in the picture above. The planner "
       "grasps its opaque surface, at a probability of 0.45, and keeps hands out of the transparent "
       "one, at 0.3. True objects are gray.");
   const GlbCloud cloud = ObservedCloud(view.frame, view.calibration.camera.X_WC(), kCloudStride_px);

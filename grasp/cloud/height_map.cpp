@@ -92,7 +92,7 @@ HeightMap MakeHeightMap(const ObservedSurface& surface, const Eigen::Matrix3d& R
   }
   const Eigen::Array2f extent_m = high - low;
   CheckInput((extent_m / static_cast<float>(cell_m) < kMaxCells).all(),
-             fmt::format("the seen surface is {:.1f} m x {:.1f} m wide, too much for a height map "
+             fmt::format("the seen surface is {:.1f} m x {:.1f} m wide, too wide for a height map "
                          "with cells of {:g} m; check the unit of the depth",
                          extent_m.x(), extent_m.y(), cell_m));
   map.corner_m = low.matrix().cast<double>();

@@ -65,6 +65,8 @@ float LevelForIou(const CompletedVolume& volume) {
   for (int step = kSteps - 1; step > 0; --step) {
     full += cells[step];
     both += sums[step];
+    // The best limit is at most one half. All limits are equal for a volume of zeros and ones.
+    if (step > kSteps / 2) continue;
     const double expected = total > 0 ? both / (full + total - both) : 0;
     if (expected <= best) continue;
     best = expected;

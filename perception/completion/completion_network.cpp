@@ -142,7 +142,8 @@ struct CompletionNetwork::Impl {
   // Gives the network the sum of the gradients and the mean of the statistics of all replicas.
   void CollectGradients(int replicas);
   // Computes the gradient of the mean loss of some views, times `share`. Returns the loss.
-  double Backward(const CompletionBatch& batch, ViewRange range, double share, CompletionNet& net);
+  double Backward(const CompletionBatch& batch, ViewRange range, double share,
+                  CompletionNet& replica);
 
   CompletionNetworkOptions options;
   torch::Device device;
@@ -185,6 +186,7 @@ double CompletionNetwork::Impl::Backward(const CompletionBatch& batch, ViewRange
   };
   const std::span<const float> queries = rows(batch.queries);
   CompletionTensors step;
+  step.first = range.begin;
   step.views = ViewTensors(rows(batch.channels), rows(batch.images), count, device);
   step.queries = FloatTensor(queries.data(), {count, batch.points, kQueryValues}, device);
   step.inside = FloatTensor(rows(batch.inside).data(), {count, batch.points}, device);
@@ -216,7 +218,8 @@ const CompletionNetworkOptions& CompletionNetwork::options() const { return impl
 
 double CompletionNetwork::TrainStep(const CompletionBatch& batch, double learning_rate,
                                     int replicas) {
-  replicas = std::clamp(replicas, 1, std::max(batch.count, 1));
+  CheckInput(batch.count > 0, "a training step needs at least one view");
+  replicas = std::clamp(replicas, 1, batch.count);
   SetLearningRate(impl_->adam, learning_rate);
   impl_->SpreadWeights(replicas);
   std::vector<double> losses(replicas);

@@ -35,6 +35,7 @@ struct CompletionTensors {
   at::Tensor inside;   // n x points, 1 = inside
   at::Tensor volumes;  // n x 1 x 32^3, 1 = inside; undefined for kinds that need none
   uint64_t seed = 0;   // for random numbers of the loss
+  int64_t first = 0;   // index of the first view in the batch
 };
 
 struct CompletionNet : torch::nn::Module {

@@ -194,8 +194,9 @@ struct VolumeVae : CompletionNet {
     const Observed seen = ObservedIn(torch::stack(channels).contiguous());
     const torch::Device device = truth.device();
     at::Tensor share = Normal({n, 1, 1, 1, 1}, step.seed, device).abs().clamp_max(1);
-    share = torch::where(torch::arange(n).to(device).view({n, 1, 1, 1, 1}) % 2 == 0,
-                         torch::ones_like(share), share);
+    share = torch::where(
+        torch::arange(step.first, step.first + n).to(device).view({n, 1, 1, 1, 1}) % 2 == 0,
+        torch::ones_like(share), share);
     const at::Tensor mixed = share * truth + (1 - share) * kNotObserved;
     const at::Tensor input = torch::where(share >= 1, truth, Clamped(seen, mixed));
     const auto [mean, log_variance] = Code(input);

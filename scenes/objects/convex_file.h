@@ -20,7 +20,7 @@ std::vector<ConvexPiece> LoadConvexPieces(const std::filesystem::path& path,
                                           const std::string& unit = "m");
 
 // Returns whether the points are not all near one plane: their thickness is over 2e-4 of their
-// length. The hull of a thinner piece has no volume, see sim/convex/convex_hull.h.
+// length. The hull of a thinner piece may have no volume, see sim/convex/convex_hull.h.
 bool SpansAVolume(std::span<const Eigen::Vector3d> points);
 
 }  // namespace pickbed::scenes

@@ -180,7 +180,7 @@ void EstimatorSpec::Visit(SettingsVisitor& v) {
          "probability into which the calibration converts the scores");
   v.Text("completion", completion, {},
          "method that completes the shapes of occluded segments for additional poses: none, or a "
-         "method of `pickbed benchmark completion`; only for estimator descriptor");
+         "method of `pickbed benchmark completion` but truth; only for estimator descriptor");
   v.Text("completion_model", completion_model, {},
          "model of completion method network or vae: a file, or a name in assets/models");
   v.Real("noise_mm", noise_mm, {0, 1000},

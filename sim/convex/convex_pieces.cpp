@@ -137,8 +137,8 @@ std::shared_ptr<const ObjectModel> WithConvexPieces(std::shared_ptr<const Object
     std::vector<ConvexPiece> pieces = DecomposeConvex(model->mesh_O, options);
     CheckInput(!pieces.empty(),
                "object '" + model->name +
-                   "' is flat: its mesh encloses no volume, which collisions need; give it a "
-                   "thickness");
+                   "' is flat: its mesh encloses no volume, or is thinner than collisions allow; "
+                   "give it a thickness");
     return pieces;
   };
   copy->convex_pieces_O = Cached(CacheFile(*model, options), FromText, make, ToText);

@@ -107,7 +107,7 @@ FittedPieces FitConvexPieces(const TriangleMesh& mesh, double bulge_diameters) {
     FittedPieces fitted;
     fitted.pieces = DecomposeConvex(
         mesh, {.max_pieces = effort.max_pieces, .max_air_share = effort.max_air_share});
-    if (fitted.pieces.empty()) return fitted;
+    if (fitted.pieces.empty()) break;
     fitted.quality = MeasurePieces(mesh, fitted.pieces);
     if (best.pieces.empty() || fitted.quality.bulge_m < best.quality.bulge_m) {
       best = std::move(fitted);

@@ -133,7 +133,7 @@ std::vector<RestingDirection> DirectionsFrom(const std::string& text) {
   for (const RestingDirection& direction : directions) {
     CheckInput(std::abs(direction.up_O.norm() - 1) < 1e-6 && direction.probability > 0 &&
                    direction.probability <= 1,
-               "a direction has no unit length, or its probability is not from 0 to 1");
+               "a direction has no unit length, or its probability is not over 0 and up to 1");
   }
   return directions;
 }

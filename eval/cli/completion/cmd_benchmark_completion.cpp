@@ -117,9 +117,10 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
       ->delimiter(',')
       ->check(CLI::IsMember({kShapesTables, kRecognitionTables, kGraspTables}))
       ->capture_default_str();
-  app.add_option("--methods", options.methods,
-                 "methods, separated by commas; the first is compared with the others [all that "
-                 "have a model or need none]")
+  app.add_option(
+         "--methods", options.methods,
+         "methods, separated by commas; the first is compared with the others; truth is the "
+         "true shape [all that have a model or need none]")
       ->delimiter(',');
   app.add_option("--sets", options.sets,
                  "test sets, separated by commas: seen, unseen_sizes, outside, unseen_families, "

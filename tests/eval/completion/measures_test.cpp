@@ -198,6 +198,8 @@ TEST(CompletionBenchmark, TheTruthIsAMethod) {
   for (const CompletionRow& row : benchmark.rows) {
     const bool is_truth = row.method == "truth";
     EXPECT_EQ(row.measures.iou == 1, is_truth) << row.shape;
+    // Half a cell is 0.5 * 1.35 / 24 of the extent.
+    EXPECT_TRUE(!is_truth || row.measures.chamfer < 0.02) << row.shape << row.measures.chamfer;
     rows += is_truth;
   }
   EXPECT_GT(rows, 0);

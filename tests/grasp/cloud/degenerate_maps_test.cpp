@@ -59,7 +59,7 @@ TEST(DegenerateMaps, WithoutPointsThereIsNoCell) {
 TEST(DegenerateMaps, RefuseASurfaceThatIsTooWide) {
   const ObservedSurface surface = SurfaceAt({Vector3d(-30, 0, 0), Vector3d(30, 1, 0)});
   EXPECT_THAT(ErrorOf([&] { MakeHeightMap(surface, DownAndTilted()[0], kMapCell_m, nullptr); }),
-              testing::HasSubstr("60.0 m x 1.0 m wide, too much for a height map with cells of "
+              testing::HasSubstr("60.0 m x 1.0 m wide, too wide for a height map with cells of "
                                  "0.002 m; check the unit of the depth"));
 }
 

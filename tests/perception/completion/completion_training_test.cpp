@@ -215,7 +215,7 @@ TEST(CompletionFile, RefusesMissingDamagedNewerAndOlderFilesInOneLine) {
   EXPECT_THAT(error_of(newer), HasSubstr("version 9, newer than this program"));
   std::string older = good;
   older[8] = 1;
-  EXPECT_THAT(error_of(older), HasSubstr("version 1, older than 2; make it again"));
+  EXPECT_THAT(error_of(older), HasSubstr("version 1, older than 2; use the pickbed that wrote it"));
   EXPECT_THAT(error_of(newer), HasSubstr("pickbed train completion"));
   EXPECT_THROW(LoadCompletionModel(TestFile("none.net")), InputError);
 }
@@ -266,16 +266,16 @@ TEST(CompletionTraining, AStoppedAndResumedTrainingGivesTheSameBytes) {
 TEST(CompletionTraining, StopsAtItsTimeLimitAndWritesAModel) {
   CompletionTrainingOptions options = TinyTraining();
   options.steps = 1000000;
-  options.max_minutes = 0.01;
+  options.max_minutes = 0.02;
   const CompletionReport report = TrainCompletion(Job("minutes"), options);
   EXPECT_TRUE(report.finished);
   EXPECT_GT(report.steps, 0);
   EXPECT_LT(report.steps, options.steps);
-  EXPECT_GE(report.seconds, 0.6);
+  EXPECT_GE(report.seconds, 1.2);
   EXPECT_EQ(LoadCompletionModel(TestFile("minutes.net")).info.steps, report.steps);
 }
 
-// With a learning rate of nearly zero, held-out views do not get better for long.
+// With a learning rate of nearly zero, the held-out loss soon stops improving.
 TEST(CompletionTraining, StopsEarlyWithoutProgress) {
   CompletionTrainingOptions options = TinyTraining();
   options.steps = 400;
