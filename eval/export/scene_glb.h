@@ -52,9 +52,9 @@ struct SceneGlbOptions {
   double hypothesis_alpha = 0.5;  // opacity, 0..1
   double bin_alpha = 0.3;
   double hand_alpha = 0.8;
-  // Surface level and possible-matter level of completed segments, as in CompletedPlannerOptions.
-  double completed_level = 0.45;
-  double possible_level = 0.3;
+  // Surface level and possible-matter level of completed segments.
+  double completed_level = grasp::kSurfaceLevel;
+  double possible_level = grasp::kPossibleLevel;
   double possible_alpha = 0.25;
 };
 

@@ -7,6 +7,7 @@
 #include "eval/benchmark/crops_report.h"
 #include "eval/benchmark/recognition.h"
 #include "eval/benchmark/rooms.h"
+#include "eval/benchmark/rooms_poses.h"
 #include "eval/bop/layout.h"
 #include "eval/bop/results_csv.h"
 #include "eval/budget/report.h"
@@ -221,6 +222,7 @@ ResultPage BenchmarkPage() {
          Csv(kCropDifferencesFile, "paired differences of two methods", CropDifferencesColumns()),
          Csv(kTimingsFile, "durations", CropTimingsColumns()),
          Csv(kRoomsFile, "`rooms`: one line per kind of rooms and of background", RoomsColumns()),
+         Csv(kRoomPosesFile, "`rooms`: one line per pose", RoomPosesColumns()),
          Plain("pictures/NUMBER_ROOMS_BACKGROUND.png", "`rooms`: images with a wrong pose")}}}};
 }
 

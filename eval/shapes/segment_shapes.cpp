@@ -138,16 +138,21 @@ std::vector<grasp::OccupancyShape> SegmentShapes::Shapes(const grasp::PlannerInp
   std::sort(by_height.begin(), by_height.end());
   std::vector<grasp::OccupancyShape> shapes;
   std::vector<int> used_instances;
+  without_shape_ = 0;
   for (const auto& [height, label] : by_height) {
     if (static_cast<int>(shapes.size()) >= max_shapes) break;
     std::optional<grasp::OccupancyShape> shape = ShapeOf(input, label, used_instances);
-    if (shape) shapes.push_back(std::move(*shape));
+    if (shape) {
+      shapes.push_back(std::move(*shape));
+    } else {
+      ++without_shape_;
+    }
   }
   return shapes;
 }
 
 grasp::ImageSegments SegmentShapes::Segments() const {
-  grasp::ImageSegments image{segments_.labels, {}};
+  grasp::ImageSegments image{segments_.labels, {}, without_shape_};
   for (size_t i = 0; i < segments_.segments.size(); ++i) {
     image.segments.push_back({covered_[i], segments_.segments[i].center_C.cast<double>()});
   }

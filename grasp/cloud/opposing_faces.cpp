@@ -230,6 +230,7 @@ class SliceSearch {
     const int face = Cells(options_.near_contact_m);
     double n = 0, sum_y = 0, sum_x = 0, sum_yy = 0, sum_xy = 0;
     for (size_t i = 0; i < outer.size(); ++i) {
+      if (outer_left_[i] > outer_right_[i]) continue;  // nothing in this row
       const int depth = inward * (outer[i] - column);
       if (depth < 0 || depth > face) continue;
       const double y = first_row + static_cast<int>(i);

@@ -22,7 +22,6 @@ struct CompletedPlanner::Completed {
   std::shared_ptr<const ObjectModel> model;
   EstimatedPose pose;                                   // X_BO
   std::vector<std::vector<GraspCandidate>> candidates;  // by tool
-  std::vector<Eigen::Vector3d> possible_B, certain_B;   // shells at both levels
 };
 
 namespace {
@@ -230,9 +229,7 @@ std::vector<CompletedPlanner::Completed> CompletedPlanner::MakeObjects(
   std::vector<Completed> completed;
   const double friction = setup_.spec.friction / PadFriction(setup_.tools);
   const double max_tilt_rad = MaxTilt_rad();
-  for (const OccupancyShape& given : shapes) {
-    OccupancyShape shape = given;
-    for (int pass = 0; pass < options_.smoothing; ++pass) shape = Smoothed(shape);
+  for (const OccupancyShape& shape : shapes) {
     TriangleMesh mesh_B = Transformed(SurfaceOf(shape, options_.surface_level), X_BW * shape.X_WV);
     if (mesh_B.triangles.empty()) continue;
     mesh_B = LargestPiece(mesh_B);
@@ -249,10 +246,6 @@ std::vector<CompletedPlanner::Completed> CompletedPlanner::MakeObjects(
                                                options_.plan.relaxed.max_tilt_rad,
                                                options_.max_candidates, rng, options_.candidates));
     }
-    object.possible_B = ShellOf(shape, options_.possible_level);
-    object.certain_B = ShellOf(shape, options_.relaxed_level);
-    for (Vector3d& p : object.possible_B) p = X_BW * p;
-    for (Vector3d& p : object.certain_B) p = X_BW * p;
   }
   return completed;
 }
@@ -262,14 +255,15 @@ const Gripper& CompletedPlanner::ToolOf(const Grasp& grasp) const {
                         [&](const auto& tool) { return tool->name == grasp.tool; });
 }
 
-bool CompletedPlanner::PassesPossibleMatter(const ObstacleField& possible, Grasp& grasp) const {
+bool CompletedPlanner::Passes(const ObstacleField& matter, const Pose& X_BW, Grasp& grasp) const {
   const Gripper& tool = ToolOf(grasp);
   const std::vector<uint8_t> none{0};  // its points are one group
+  const Pose X_BG = X_BW * grasp.X_WG;
   for (int step = 0; step <= options_.max_wider; ++step) {
     const double width_m = grasp.width_m + step * options_.wider_m;
     const std::optional<double> opening_m = tool.ApproachOpening_m(width_m);
     if (!opening_m) return false;
-    if (!possible.FirstMet(grasp.X_WG, HandSweep(tool, *opening_m), none, 0)) {
+    if (!matter.FirstMet(X_BG, HandSweep(tool, *opening_m), none, 0)) {
       grasp.width_m = width_m;
       return true;
     }
@@ -316,30 +310,39 @@ PlanResult CompletedPlanner::PlanOn(const std::vector<Completed>& completed,
                       input.targets, &rater.hidden()});
   }
   PlanResult plan = PlanWithTools(inputs, plan_options);
-  for (const auto shell : {&Completed::possible_B, &Completed::certain_B}) {
-    std::vector<Vector3d> points_B;
-    for (const Completed& object : completed) {
-      points_B.insert(points_B.end(), (object.*shell).begin(), (object.*shell).end());
-    }
-    std::vector<int> groups(points_B.size(), 0);
-    const ObstacleField possible(std::move(points_B), std::move(groups), plan_options.column_m);
-    std::vector<Grasp> passed;
-    for (Grasp grasp : plan.grasps) {
-      if (PassesPossibleMatter(possible, grasp)) passed.push_back(grasp);
-    }
-    if (passed.empty() && shell == &Completed::possible_B) continue;
-    plan.rejected["possible matter"] += static_cast<int>(plan.grasps.size() - passed.size());
-    plan.grasps = std::move(passed);
-    break;
-  }
-  // The score of the planner on poses ranks candidates of one shape, but does not predict which
-  // grasps succeed. Grasps with equal chances keep their order.
   for (Grasp& grasp : plan.grasps) {
     grasp.X_WG = bin.X_WB * grasp.X_WG;
     grasp.hypothesis = kNoHypothesis;
-    grasp.score = ChanceOf(grasp, GraspedSurface::kCompleted, rater);
   }
   return plan;
+}
+
+void CompletedPlanner::KeepOutOfPossibleMatter(std::span<const OccupancyShape> shapes,
+                                               const Pose& X_BW, PlanResult& plan,
+                                               PlanResult& observed) const {
+  for (const double level : {options_.possible_level, options_.relaxed_level}) {
+    std::vector<Vector3d> points_B;
+    for (const OccupancyShape& shape : shapes) {
+      for (const Vector3d& p_W : ShellOf(shape, level)) points_B.push_back(X_BW * p_W);
+    }
+    std::vector<int> groups(points_B.size(), 0);
+    const ObstacleField matter(std::move(points_B), std::move(groups), options_.plan.column_m);
+    const auto passing = [&](const PlanResult& all) {
+      std::vector<Grasp> passed;
+      for (Grasp grasp : all.grasps) {
+        if (Passes(matter, X_BW, grasp)) passed.push_back(grasp);
+      }
+      return passed;
+    };
+    std::vector<Grasp> of_plan = passing(plan), of_observed = passing(observed);
+    if (of_plan.empty() && of_observed.empty() && level == options_.possible_level) continue;
+    const size_t before = plan.grasps.size() + observed.grasps.size();
+    plan.grasps = std::move(of_plan);
+    observed.grasps = std::move(of_observed);
+    const size_t after = plan.grasps.size() + observed.grasps.size();
+    if (after < before) plan.rejected["possible matter"] += static_cast<int>(before - after);
+    return;
+  }
 }
 
 PlanResult CompletedPlanner::Plan(const PlannerInput& input) {
@@ -355,21 +358,33 @@ PlanResult CompletedPlanner::Plan(const PlannerInput& input) {
     return {};
   }
   const std::vector<OccupancyShape> shapes = setup_.shapes->Shapes(input, options_.max_shapes);
-  const std::vector<Completed> completed = MakeObjects(shapes, input, X_WB.inverse());
+  std::vector<OccupancyShape> smoothed = shapes;
+  for (OccupancyShape& shape : smoothed) {
+    for (int pass = 0; pass < options_.smoothing; ++pass) shape = Smoothed(shape);
+  }
+  const std::vector<Completed> completed = MakeObjects(smoothed, input, X_WB.inverse());
   const ImageSegments segments = setup_.shapes->Segments();
   const GraspRater rater(input, X_WB, segments, shapes, options_.plan);
-  PlanResult plan;
+  PlanResult plan, observed;
   if (!completed.empty()) {
     plan = PlanOn(completed, rater, input, {input.bin ? input.bin->bin : table, X_WB});
   }
   for (const auto& planner : on_surface_) {
-    PlanResult observed = planner->Plan(input);
-    for (Grasp& grasp : observed.grasps) {
-      grasp.score = ChanceOf(grasp, GraspedSurface::kObserved, rater);
-    }
-    plan.grasps.insert(plan.grasps.end(), observed.grasps.begin(), observed.grasps.end());
-    for (const auto& [cause, count] : observed.rejected) plan.rejected[cause] += count;
+    const PlanResult found = planner->Plan(input);
+    observed.grasps.insert(observed.grasps.end(), found.grasps.begin(), found.grasps.end());
+    for (const auto& [cause, count] : found.rejected) plan.rejected[cause] += count;
   }
+  if (segments.without_shape > 0) plan.rejected["segment without shape"] = segments.without_shape;
+  KeepOutOfPossibleMatter(smoothed, X_WB.inverse(), plan, observed);
+  // The scores of these planners rank candidates of one shape, but do not predict which grasps
+  // succeed. Grasps with equal chances keep their order.
+  for (Grasp& grasp : plan.grasps) {
+    grasp.score = ChanceOf(grasp, GraspedSurface::kCompleted, rater);
+  }
+  for (Grasp& grasp : observed.grasps) {
+    grasp.score = ChanceOf(grasp, GraspedSurface::kObserved, rater);
+  }
+  plan.grasps.insert(plan.grasps.end(), observed.grasps.begin(), observed.grasps.end());
   KeepBest(options_.min_reported_score, input.max_grasps, plan);
   return plan;
 }

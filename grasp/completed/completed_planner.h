@@ -33,14 +33,14 @@
 namespace pickbed::grasp {
 
 struct CompletedPlannerOptions {
-  int max_shapes = 10;                    // objects that are completed, from the highest one
-  int smoothing = 2;                      // passes of Smoothed()
-  bool grasps_observed = true;            // hands also grasp the observed surface
-  SuccessChance chance = {};              // score of a grasp without a network
-  double min_reported_score = 0.05;       // grasps with a smaller chance are not reported
-  double surface_level = 0.45;            // probability at the grasped surface
-  double possible_level = 0.3;            // probability from which a hand keeps out
-  double relaxed_level = 0.5;             // the same if no grasp is found otherwise
+  int max_shapes = 10;                     // objects that are completed, from the highest one
+  int smoothing = 2;                       // passes of Smoothed()
+  bool grasps_observed = true;             // hands also grasp the observed surface
+  SuccessChance chance = {};               // score of a grasp without a network
+  double min_reported_score = 0.05;        // grasps with a smaller chance are not reported
+  double surface_level = kSurfaceLevel;    // probability at the grasped surface
+  double possible_level = kPossibleLevel;  // probability from which a hand keeps out
+  double relaxed_level = 0.5;              // the same if no grasp is found otherwise
   double wider_m = 0.003;                 // step by which a jaw opens wider to pass possible matter
   int max_wider = 6;                      // number of these steps
   int max_candidates = 120;               // candidates of an object for one jaw, from above
@@ -58,9 +58,9 @@ class CompletedPlanner : public Planner {
   explicit CompletedPlanner(const PlannerSetup& setup, const CompletedPlannerOptions& options = {});
 
   // Without a known bin, the lowest observed point is taken as the height of a table. Causes of
-  // rejection: as PlanWithTools(), as CloudAntipodal, "possible matter" and "score too low".
-  // Without objects, jaws and cups grasp the observed surface if `grasps_observed`. Grasps of the
-  // observed surface are not tested against possible matter.
+  // rejection: as PlanWithTools(), as CloudAntipodal, "possible matter", "segment without
+  // shape" and "score too low".
+  // Without objects, jaws and cups grasp the observed surface if `grasps_observed`.
   PlanResult Plan(const PlannerInput& input) override;
 
  private:
@@ -71,7 +71,11 @@ class CompletedPlanner : public Planner {
   PlanResult PlanOn(const std::vector<Completed>& objects, const GraspRater& rater,
                     const PlannerInput& input, const BinPlacement& bin) const;
   const Gripper& ToolOf(const Grasp& grasp) const;
-  bool PassesPossibleMatter(const ObstacleField& possible, Grasp& grasp) const;
+  // Removes the grasps of the completed and of the observed surface at which a hand enters possible
+  // matter, or matter from `relaxed_level` if all of them do. A jaw may open wider to pass.
+  void KeepOutOfPossibleMatter(std::span<const OccupancyShape> shapes, const Pose& X_BW,
+                               PlanResult& plan, PlanResult& observed) const;
+  bool Passes(const ObstacleField& matter, const Pose& X_BW, Grasp& grasp) const;
   // Returns the chance that a grasp of a surface succeeds.
   double ChanceOf(const Grasp& grasp, GraspedSurface surface, const GraspRater& rater) const;
 

@@ -14,6 +14,10 @@
 
 namespace pickbed::grasp {
 
+// Probabilities at which a shape is grasped, and from which a hand keeps out of it.
+inline constexpr double kSurfaceLevel = 0.45;
+inline constexpr double kPossibleLevel = 0.3;
+
 // Occupancy of a cube around one object. Frame V has its origin at the corner of cell (0, 0, 0),
 // and its axes along the edges of the cube.
 struct OccupancyShape {

@@ -2,6 +2,7 @@
 
 #include "eval/benchmark/rooms.h"
 #include "eval/benchmark/rooms_pictures.h"
+#include "eval/benchmark/rooms_poses.h"
 #include "eval/cli/arguments.h"
 #include "eval/cli/benchmark/cmd_benchmark.h"
 #include "eval/estimate/estimator_comparison.h"
@@ -39,6 +40,7 @@ int RunRoomsTable(const RoomsArguments& arguments) {
   RemoveRoomPictures(pictures);  // of an earlier benchmark
   std::vector<RoomEstimate> estimates;
   size_t written = 0;
+  std::string poses = HeaderLine(RoomPosesColumns());
   {
     const auto views = MakeTrainingViews(set);
     ProgressLine progress;
@@ -52,6 +54,7 @@ int RunRoomsTable(const RoomsArguments& arguments) {
       return !Interrupted();
     };
     callbacks.on_estimate = [&](const LabelledView& view, const RoomEstimate& estimate) {
+      poses += RoomPosesLines(views->objects(), view, estimate);
       written +=
           WriteRoomWithWrongPoses(pictures, views->objects(), view, estimate, arguments.min_score);
     };
@@ -60,7 +63,8 @@ int RunRoomsTable(const RoomsArguments& arguments) {
   if (estimates.empty()) return kExitInterrupted;
   const std::vector<RoomsRow> rows = RoomsRowsOf(estimates, arguments.min_score);
   WriteFileAtomically(folder / kRoomsFile, RoomsCsv(rows));
-  fmt::print("{}{} in {}\n", RoomsText(rows), kRoomsFile, folder.string());
+  WriteFileAtomically(folder / kRoomPosesFile, poses);
+  fmt::print("{}{} and {} in {}\n", RoomsText(rows), kRoomsFile, kRoomPosesFile, folder.string());
   if (written > 0) {
     fmt::print("{} of wrong poses in {}\n", Counted(written, "picture"), pictures.string());
   }

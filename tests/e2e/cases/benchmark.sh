@@ -65,6 +65,7 @@ rooms_benchmark_is_repeatable() {
   expect 0 "$pickbed" benchmark rooms "${few[@]}" --threads 1 --out once
   expect 0 "$pickbed" benchmark rooms "${few[@]}" --threads 2 --out twice
   same once/rooms.csv twice/rooms.csv
+  same once/room_poses.csv twice/room_poses.csv
   grep -q '^empty,all,1,0,0,' once/rooms.csv || fail "no row of the room without objects"
   grep -q '^all,given,2,' once/rooms.csv || fail "no row of given bins"
   refused "unknown estimator 'discriptor'" "$pickbed" benchmark rooms rod --estimator discriptor

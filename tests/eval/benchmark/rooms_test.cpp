@@ -1,11 +1,13 @@
 #include "eval/benchmark/rooms.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "eval/benchmark/rooms_pictures.h"
+#include "eval/benchmark/rooms_poses.h"
 #include "eval/metrics/metric_table.h"
 #include "eval/train/job.h"
 #include "scenes/base/files.h"
@@ -108,6 +110,25 @@ TEST(WriteRoomWithWrongPoses, OnlyWrongReportedPosesGiveAPicture) {
   WritePng(folder.path() / "all" / "007.png", picture);
   RemoveRoomPictures(folder.path() / "all");
   EXPECT_EQ(StemsIn(folder.path() / "all", ".png"), std::vector<std::string>{"007"});
+}
+
+// A sphere of 60 mm at 0.5 m has the diameter f * 0.12 in the image.
+TEST(RoomPosesLines, GiveTheDiameterInTheImageAndWhetherAPoseIsRight) {
+  RayCastViews views({ObjectOf(SphereMesh(0.03, 2))});
+  const LabelledView view = views.ClutterScene({1, 1}).front();
+  RoomEstimate estimate{"table", kUnknownBackground, false};
+  estimate.image.trial = 7;
+  for (const int recalled : {0, -1}) {
+    ScoredHypothesis& pose = estimate.image.score.hypotheses.emplace_back();
+    pose.estimate.X_CO = Translation({0.1, 0, 0.5});
+    pose.record.score = 0.75;
+    pose.recalled = recalled;
+  }
+  const double diameter_px = view.frame.intrinsics.fx() * views.objects()[0]->diameter_m / 0.5;
+  EXPECT_NEAR(views.objects()[0]->diameter_m, 0.06, 0.001);
+  const std::string start =
+      fmt::format("7,table,unknown,0,{},0.7500,{:.1f},", views.objects()[0]->name, diameter_px);
+  EXPECT_EQ(RoomPosesLines(views.objects(), view, estimate), start + "1\n" + start + "0\n");
 }
 
 // Walls, tables and boxes look like hidden mugs to a verifier that has seen only bins: it reports

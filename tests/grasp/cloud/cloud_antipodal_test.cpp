@@ -141,11 +141,28 @@ TEST(CloudAntipodal, GraspsMoveWithTheBin) {
 }
 
 // Only the corners fit between the fingers, and their faces are outside of the friction cone.
-TEST(CloudAntipodal, WhatIsWiderThanTheStrokeHasNoGoodGrasp) {
+TEST(CloudAntipodal, WhatIsWiderThanTheStrokeHasNoGrasp) {
+  for (const double yaw_rad : {0.0, 0.2, 0.7}) {
+    CloudScene scene;
+    scene.AddBox({0.12, 0.11, 0.03}, OnFloor(0, 0, 0.03, yaw_rad));
+    EXPECT_TRUE(CloudPlan().Of(scene.Input()).grasps.empty()) << yaw_rad;
+  }
+}
+
+// 30 % of the rows of a pad, 20 mm wide, must touch the bar.
+TEST(CloudAntipodal, PadsDoNotReachBeyondTheEndOfABar) {
+  constexpr double kLength_m = 0.06, kPad_m = 0.02, kCells_m = 0.004;
   CloudScene scene;
-  scene.AddBox({0.12, 0.11, 0.04}, OnFloor(0, 0, 0.04, 0.2));
-  const PlanResult result = CloudPlan().Of(scene.Input());
-  EXPECT_TRUE(result.grasps.empty() || result.grasps.front().score < 0.15);
+  const Pose pose = OnFloor(0, 0, 0.03, 0.3);
+  scene.AddBox({0.008, kLength_m, 0.03}, pose);
+  const PlanResult result = CloudPlan().Of(scene.Input(1000));
+  ASSERT_GT(result.grasps.size(), 5u);
+  for (const Grasp& grasp : result.grasps) {
+    const Vector3d along = pose.linear().col(1);
+    if (AxisAngle(grasp.X_WG.linear().col(1), along) > 0.3) continue;
+    const double center_m = std::abs(along.dot(grasp.X_WG.translation() - pose.translation()));
+    EXPECT_LT(center_m, 0.5 * kLength_m + 0.5 * kPad_m - 0.3 * kPad_m + kCells_m);
+  }
 }
 
 // Fingers are 10 mm thick and do not fit into gaps of 6 mm, so only the free ends remain.

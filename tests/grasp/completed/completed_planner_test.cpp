@@ -171,6 +171,39 @@ TEST(CompletedPlanner, TheHandKeepsOutOfPossibleMatter) {
   }
 }
 
+// No cell of the shape reaches the grasped level, so that all grasps are of the observed surface.
+TEST(CompletedPlanner, TheHandKeepsOutOfPossibleMatterAtTheObservedSurface) {
+  CloudScene scene;
+  const Vector3d size(0.06, 0.025, 0.03);
+  const Pose pose = OnFloor(0, 0, size.z(), 0);
+  scene.AddBox(size, pose);
+  const OccupancyShape beside = ShapeOfBody(0.12, 48, pose, [&](const Vector3d& p) {
+    return p.x() > 0 && p.x() < 0.03 && p.y() > 0.0125 && p.y() < 0.05 && p.z() < 0.015 ? 0.4 : 0.0;
+  });
+  const std::vector<std::shared_ptr<const Gripper>> tools{
+      std::make_shared<ParallelJaw>(SmallJaw())};
+  const ObjectSet objects;
+  const std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
+  GivenShapes shapes({beside});
+  PlannerSetup setup{PlannerSpec(), tools, objects, candidates, {}, 2};
+  setup.shapes = &shapes;
+  CompletedPlannerOptions options;
+  options.min_reported_score = 0;
+  options.smoothing = 0;
+  const auto touching = [&](const CompletedPlannerOptions& set) {
+    const PlanResult result = CompletedPlanner(setup, set).Plan(scene.Input(1000));
+    EXPECT_FALSE(result.grasps.empty());
+    return std::ranges::count_if(result.grasps, [&](const Grasp& grasp) {
+      return std::ranges::any_of(ShellOf(beside, 0.3), [&](const Vector3d& p_W) {
+        return IsInHand(*tools.front(), grasp, p_W, 1.5 * beside.cell_m);
+      });
+    });
+  };
+  EXPECT_EQ(touching(options), 0);
+  options.possible_level = options.relaxed_level = 0.6;
+  EXPECT_GT(touching(options), 0) << "to show that grasps without the test enter the cells";
+}
+
 // A tall box hides the space behind it. A hand that reaches into it is ranked last or not at all.
 TEST(CompletedPlanner, AvoidsTheShadowOfAnotherPart) {
   CloudScene scene({0, -0.35, 0.45});
@@ -201,6 +234,36 @@ TEST(CompletedPlanner, SuctionSealsOnTheTopOfABox) {
   EXPECT_LT((best.X_WG.translation() - pose.translation()).head<2>().norm(), 0.015);
 }
 
+// The slab is too wide for the jaw, and the bar too narrow for the cup.
+TEST(CompletedPlanner, GivesEachObjectTheToolThatHoldsIt) {
+  CloudScene scene;
+  const Vector3d slab(0.1, 0.1, 0.03), bar(0.012, 0.06, 0.04);
+  const Pose slab_pose = OnFloor(-0.07, 0, slab.z(), 0), bar_pose = OnFloor(0.07, 0, bar.z(), 0);
+  scene.AddBox(slab, slab_pose);
+  scene.AddBox(bar, bar_pose);
+  const auto cup = std::make_shared<SuctionCup>();
+  cup->name = "test cup";
+  const std::vector<std::shared_ptr<const Gripper>> tools{std::make_shared<ParallelJaw>(SmallJaw()),
+                                                          cup};
+  ASSERT_LT(tools[0]->MaxOpening_m(), slab.x());
+  const ObjectSet objects;
+  const std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
+  GivenShapes shapes({BoxShape(slab, slab_pose), BoxShape(bar, bar_pose)});
+  PlannerSetup setup{PlannerSpec(), tools, objects, candidates, {}, 2};
+  setup.shapes = &shapes;
+  CompletedPlannerOptions options;
+  options.min_reported_score = 0;
+  const PlanResult result = CompletedPlanner(setup, options).Plan(scene.Input(1000));
+  int of_slab = 0, of_bar = 0;
+  for (const Grasp& grasp : result.grasps) {
+    const bool on_slab = grasp.X_WG.translation().x() < 0;
+    EXPECT_EQ(grasp.tool, on_slab ? cup->name : tools[0]->name);
+    ++(on_slab ? of_slab : of_bar);
+  }
+  EXPECT_GT(of_slab, 0);
+  EXPECT_GT(of_bar, 0);
+}
+
 TEST(CompletedPlanner, WorksWithoutAKnownBin) {
   const CloudScene scene = SphereScene();
   PlannerInput input = scene.Input();
@@ -214,6 +277,15 @@ TEST(CompletedPlanner, WithoutPartsThereIsNoGrasp) {
   OccupancyShape empty = SphereShape(kRadius_m, kSpherePose);
   std::fill(empty.occupancy.begin(), empty.occupancy.end(), 0.0f);
   EXPECT_TRUE(CompletedPlan({empty}).Of(scene.Input()).grasps.empty());
+}
+
+TEST(CompletedPlanner, NamesSegmentsWithoutAShapeAmongTheRejections) {
+  const CloudScene scene;
+  ImageSegments segments;
+  segments.without_shape = 3;
+  const PlanResult result = CompletedPlan({}, nullptr, 0, segments).Of(scene.Input());
+  EXPECT_TRUE(result.grasps.empty());
+  EXPECT_EQ(result.rejected, (std::map<std::string, int>{{"segment without shape", 3}}));
 }
 
 TEST(CompletedPlanner, EqualImagesGiveEqualGrasps) {
