@@ -39,6 +39,7 @@ ImageDomain DomainOf(const OrganizedCloud& cloud) {
   ImageDomain domain;
   domain.hole_share = cloud.depth_statistics.hole_share;
   domain.error_at_1m_m = cloud.depth_statistics.Error_m();
+  if (cloud.background != BackgroundKind::kKnown) domain.min_diameter_px = kMinRoomDiameter_px;
   if (!cloud.planes.empty()) {
     const double down = std::abs(cloud.planes.back().normal_C.z());
     domain.tilt_rad = std::acos(std::min(1.0, down));
@@ -76,7 +77,7 @@ double LogitPenalty(const ImageDomain& domain, double diameter_px, double outsid
   return kNatsPerExcess *
          (Excess(domain.hole_share, kMaxHoleShare) +
           Excess(domain.error_at_1m_m, kMaxTrainedError_m) + Excess(domain.tilt_rad, kMaxTilt_rad) +
-          Excess(kMinDiameter_px, std::max(1.0, diameter_px)) +
+          Excess(domain.min_diameter_px, std::max(1.0, diameter_px)) +
           Excess(outside_share, kMaxOutsideShare));
 }
 

@@ -25,6 +25,7 @@ TEST(LogitPenalty, IsZeroInsideAndNeverFalls) {
   EXPECT_GT(LogitPenalty({0, 0.02, 0}, 60, 0), LogitPenalty({0, 0.01, 0}, 60, 0));
   EXPECT_GT(LogitPenalty({0, 0, 1.5}, 60, 0), 0);
   EXPECT_GT(LogitPenalty({}, 5, 0), LogitPenalty({}, 10, 0));
+  EXPECT_GT(LogitPenalty({0, 0, 0, 45}, 30, 0), LogitPenalty({}, 30, 0));
   EXPECT_EQ(LogitPenalty({}, 60, 0.2), 0);
   EXPECT_GT(LogitPenalty({}, 60, 0.8), LogitPenalty({}, 60, 0.5));
 }
@@ -44,6 +45,16 @@ TEST(OutsideShare, IsTheShareOfTheNearSideBeyondTheEdge) {
   EXPECT_EQ(share(1.2, 0), 1);
   EXPECT_EQ(share(3, 3), 1);
   EXPECT_EQ(OutsideShare(camera, plate, Translation({0, 0, -1})), 1) << "behind the camera";
+}
+
+// A known bin leaves no surroundings whose details look like a small object.
+TEST(DomainOf, SmallObjectsNeedAKnownBackground) {
+  SyntheticDepth scene(SmallCamera());
+  scene.AddMesh(BoxMesh({0.1, 0.1, 0.02}, Eigen::Vector3d::Zero()), Translation({0, 0, 0.5}));
+  OrganizedCloud cloud = BuildCloud(scene.frame(), std::nullopt, kKeepAll);
+  EXPECT_EQ(DomainOf(cloud).min_diameter_px, kMinRoomDiameter_px);
+  cloud.background = BackgroundKind::kKnown;
+  EXPECT_EQ(DomainOf(cloud).min_diameter_px, kMinDiameter_px);
 }
 
 // Holes count only between readings: the empty image beside an object is no failure.
