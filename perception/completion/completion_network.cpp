@@ -139,8 +139,9 @@ struct CompletionNetwork::Impl {
   CompletionNet& Replica(int index) { return index == 0 ? *net : *copies[index - 1]; }
   // Gives all replicas the weights and statistics of the network.
   void SpreadWeights(int replicas);
-  // Gives the network the sum of the gradients and the mean of the statistics of all replicas.
-  void CollectGradients(int replicas);
+  // Gives the network the sum of the gradients of all replicas, and the mean of their statistics.
+  // - shares: of the views of each replica in the batch; their sum is 1
+  void CollectGradients(std::span<const double> shares);
   // Computes the gradient of the mean loss of some views, times `share`. Returns the loss.
   double Backward(const CompletionBatch& batch, ViewRange range, double share,
                   CompletionNet& replica);
@@ -161,18 +162,21 @@ void CompletionNetwork::Impl::SpreadWeights(int replicas) {
   }
 }
 
-void CompletionNetwork::Impl::CollectGradients(int replicas) {
+void CompletionNetwork::Impl::CollectGradients(std::span<const double> shares) {
   const torch::NoGradGuard no_gradients;
   const std::vector<at::Tensor> weights = net->parameters(), statistics = FloatBuffers(*net);
-  for (int i = 1; i < replicas; ++i) {
-    const std::vector<at::Tensor> others = Replica(i).parameters();
+  for (const at::Tensor& values : statistics) values.mul_(shares.front());
+  for (size_t i = 1; i < shares.size(); ++i) {
+    CompletionNet& replica = Replica(static_cast<int>(i));
+    const std::vector<at::Tensor> others = replica.parameters();
     for (size_t k = 0; k < weights.size(); ++k) {
       if (others[k].grad().defined()) weights[k].mutable_grad().add_(others[k].grad());
     }
-    const std::vector<at::Tensor> their_statistics = FloatBuffers(Replica(i));
-    for (size_t k = 0; k < statistics.size(); ++k) statistics[k].add_(their_statistics[k]);
+    const std::vector<at::Tensor> their_statistics = FloatBuffers(replica);
+    for (size_t k = 0; k < statistics.size(); ++k) {
+      statistics[k].add_(their_statistics[k], shares[i]);
+    }
   }
-  for (const at::Tensor& values : statistics) values.mul_(1.0 / replicas);
 }
 
 double CompletionNetwork::Impl::Backward(const CompletionBatch& batch, ViewRange range,
@@ -222,17 +226,17 @@ double CompletionNetwork::TrainStep(const CompletionBatch& batch, double learnin
   replicas = std::clamp(replicas, 1, batch.count);
   SetLearningRate(impl_->adam, learning_rate);
   impl_->SpreadWeights(replicas);
-  std::vector<double> losses(replicas);
+  std::vector<double> losses(replicas), shares(replicas);
   ForRanges(replicas, replicas, [&](int first, int last) {
     // libtorch sets the number of threads of a layer in each thread that calls it.
     at::init_num_threads();
     for (int i = first; i < last; ++i) {
       const ViewRange range{batch.count * i / replicas, batch.count * (i + 1) / replicas};
-      const double share = static_cast<double>(range.end - range.begin) / batch.count;
-      losses[i] = share * impl_->Backward(batch, range, share, impl_->Replica(i));
+      shares[i] = static_cast<double>(range.end - range.begin) / batch.count;
+      losses[i] = shares[i] * impl_->Backward(batch, range, shares[i], impl_->Replica(i));
     }
   });
-  impl_->CollectGradients(replicas);
+  impl_->CollectGradients(shares);
   impl_->adam.step();
   return std::accumulate(losses.begin(), losses.end(), 0.0);
 }

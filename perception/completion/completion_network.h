@@ -63,7 +63,8 @@ class CompletionNetwork {
   // Makes one Adam step on the loss of the kind and returns the loss as it was before the step. It
   // is the mean cross-entropy of all points (implicit), or of all cells plus the divergence of the
   // code (vae). Each of the `replicas` (from 1) takes a nearly equal part of the views in a thread
-  // of its own, and normalizes over this part. Their gradients are averaged over the views.
+  // of its own, and normalizes over this part. Their gradients and the statistics of their
+  // normalizations are averaged over the views.
   double TrainStep(const CompletionBatch& batch, double learning_rate, int replicas = 1);
 
   // Returns the probability of each query of a batch; `inside` is not used.

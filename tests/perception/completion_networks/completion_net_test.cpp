@@ -30,12 +30,12 @@ TEST(CompletionNetTable, EachKindLearnsOneShapeByHeart) {
 TEST(CompletionNetwork, ReplicasShareAStep) {
   const auto solid = SphereSolid(0.05f);
   std::vector<CompletionSample> samples;
-  for (int seed = 0; seed < 2; ++seed) {
+  for (int seed = 0; seed < 3; ++seed) {
     Rng rng(seed);
     const RandomView drawn = DrawView(*solid, {}, {}, rng);
     samples.push_back(MakeSample(*solid, drawn, 256, rng));
   }
-  const TurnedSample a{&samples[0], 0}, b{&samples[1], 0};
+  const TurnedSample a{&samples[0], 0}, b{&samples[1], 0}, c{&samples[2], 0};
   struct Result {
     double loss;
     std::vector<float> weights, statistics;
@@ -53,6 +53,12 @@ TEST(CompletionNetwork, ReplicasShareAStep) {
   ASSERT_EQ(ab.statistics.size(), only_a.statistics.size());
   for (size_t i = 0; i < ab.statistics.size(); ++i) {
     EXPECT_NEAR(ab.statistics[i], (only_a.statistics[i] + only_b.statistics[i]) / 2, 1e-6);
+  }
+  // A replica with more views counts more.
+  const Result abc = step({a, b, c}, 2), only_bc = step({b, c}, 1);
+  EXPECT_NEAR(abc.loss, (only_a.loss + 2 * only_bc.loss) / 3, 1e-6);
+  for (size_t i = 0; i < abc.statistics.size(); ++i) {
+    EXPECT_NEAR(abc.statistics[i], (only_a.statistics[i] + 2 * only_bc.statistics[i]) / 3, 1e-6);
   }
   // There are not more replicas than views.
   EXPECT_EQ(step({a, b}, 5).weights, ab.weights);
