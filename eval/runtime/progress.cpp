@@ -27,7 +27,7 @@ struct Rate {
 
 Rate RateOf(const ProgressState& state, double elapsed_s) {
   const double per_s = (state.done - state.done_before) / std::max(elapsed_s, kShortest_s);
-  return {per_s, (state.total - state.done) / per_s};
+  return {per_s, (state.total - state.done) / per_s + state.later_s};
 }
 
 struct Success {

@@ -23,6 +23,7 @@ struct ProgressState {
   std::string what = "trial";
   int done = 0, total = 0;
   int done_before = 0;  // done by an earlier run; not counted in the rate
+  double later_s = 0;   // expected duration of work after these items; part of the time left
   bool counts_successes = false;
   std::vector<Cluster> outcomes;  // successes and executed grasps, one cluster per trial
   std::string note;               // further text

@@ -64,6 +64,13 @@ TEST(Progress, FilesGetALineOnlyWhenTheNumberChanges) {
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2) << text;
 }
 
+TEST(Progress, TimeLeftIncludesLaterWork) {
+  ProgressState state = SomeTrials();
+  state.later_s = 100;
+  EXPECT_THAT(ProgressText(state, 20.0), HasSubstr("left 2:00"));
+  EXPECT_EQ(nlohmann::json::parse(ProgressJson(state, 20.0))["left_s"], 120.0);
+}
+
 TEST(Progress, TimeLeftIsUnknownAtTheStart) {
   ProgressState state;
   state.total = 40;
