@@ -142,8 +142,9 @@ class Comparison {
            ScoreAgainstTruth(matcher, cell_.camera(), view.calibration.camera.X_WC(),
                              found.hypotheses),
            std::move(found.seconds)});
-      Draw(row, bin_index, scene, view);
     }
+    if (!HasPictures(bin_index)) return;
+    for (const LiveRow& row : rows_) Draw(row, bin_index, scene, view);
   }
 
   std::vector<ComparedRow> Finish() {
@@ -192,9 +193,18 @@ class Comparison {
     row.result.peak_memory_mib = std::max(row.result.peak_memory_mib, row.held_mib + grown_mib);
   }
 
+  // Returns whether the last bin gets pictures.
+  bool HasPictures(int trial) const {
+    if (job_.out.empty()) return false;
+    if (trial < job_.pictured_bins) return true;
+    if (!job_.wants_pictures) return false;
+    std::vector<const ComparedImage*> images;
+    for (const LiveRow& row : rows_) images.push_back(&row.result.images.back());
+    return job_.wants_pictures(images);
+  }
+
   // Draws the last image of a row.
   void Draw(const LiveRow& row, int trial, const Scene& scene, const Observation& view) {
-    if (job_.out.empty() || trial >= job_.pictured_bins) return;
     const sim::Picture& picture = pictures_.Of(cell_, scene, BinIndex(trial));
     const AttemptScore& score = row.result.images.back().score;
     OverlayInput input{picture.color, picture.camera.intrinsics, cell_.objects(),
@@ -209,8 +219,8 @@ class Comparison {
       input.region = &region_pixels;
       input.region_lines = region.BoxLines(picture.camera.intrinsics);
     }
-    WriteAttemptPictures(PicturesOf(job_.out, trial) / FolderName(row.result.label), 0, view.frame,
-                         DrawOverlay(input));
+    WriteAttemptPictures(ComparedOverlay(job_.out, trial, row.result.label).parent_path(), 0,
+                         view.frame, DrawOverlay(input));
   }
 
   const ComparisonJob& job_;
@@ -265,6 +275,11 @@ std::vector<ComparedRow> CompareEstimators(const ComparisonJob& job) {
     if (job.on_progress) job.on_progress("bin", trial + 1, job.spec.trials);
   }
   return comparison.Finish();
+}
+
+std::filesystem::path ComparedOverlay(const std::filesystem::path& out, int trial,
+                                      const std::string& label) {
+  return PicturesOf(out, trial) / FolderName(label) / AttemptPicture(0, "overlay");
 }
 
 void AddPickChances(const ToleranceMaps& maps, std::vector<ComparedRow>& rows) {

@@ -61,8 +61,8 @@ struct ComparisonJob {
   ScenarioSpec spec;
   ObjectSet objects;
   std::vector<ComparedEstimator> estimators;
-  // Results folder; gets pictures/trial_0000/LABEL/ of the first bins, and logs of estimators that
-  // are other programs. Empty = neither.
+  // Results folder; gets pictures/trial_0000/LABEL/ of the first bins and of the bins that
+  // `wants_pictures` chooses, and logs of estimators that are other programs. Empty = neither.
   std::filesystem::path out;
   int pictured_bins = 0;
   int threads = 1;  // upper limit; the results are the same for any number
@@ -70,7 +70,14 @@ struct ComparisonJob {
   std::function<bool()> stop;                                                   // may be empty
   // Called when an estimator that is another program failed, with one line. May be empty.
   std::function<void(const std::string& line)> on_warning = {};
+  // Called after each bin with the image of each estimator, in their order. Returns whether the
+  // bin gets pictures although it is none of the first ones. May be empty.
+  std::function<bool(const std::vector<const ComparedImage*>& images)> wants_pictures = {};
 };
+
+// Returns the file of the overlay of an estimator in a bin. `out` is ComparisonJob::out.
+std::filesystem::path ComparedOverlay(const std::filesystem::path& out, int trial,
+                                      const std::string& label);
 
 // Fills the bins one after the other and runs each estimator on each image. If `stop` returns true,
 // it ends after the current bin and returns the results so far. Throws InputError, see

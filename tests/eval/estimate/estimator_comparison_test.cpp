@@ -14,6 +14,7 @@
 #include "eval/runtime/process.h"
 #include "scenes/base/error.h"
 #include "tests/eval/cube_scenario.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
 namespace {
@@ -200,6 +201,27 @@ TEST(Comparison, OracleIsPerfectAndNoisyOracleIsNot) {
   EXPECT_LT(wrong.recall(), 0.5);
   EXPECT_LT(rows[1].bop.ar(), 0.5);
   EXPECT_EQ(ComparisonCsv(rows, job.objects), ComparisonCsv(CompareEstimators(job), job.objects));
+}
+
+TEST(Comparison, PicturesAreOfTheChosenBins) {
+  const TemporaryFolder folder;
+  ScenarioSpec spec = CubeScenario(2);
+  spec.trials = 3;
+  ComparedEstimator far{"far", spec.estimator};
+  far.spec.noise_mm = 30;
+  ComparisonJob job{spec, EasyCube(), {{"oracle", spec.estimator}, far}, folder.path(), 1, 1,
+                    {},   {}};
+  job.wants_pictures = [](const std::vector<const ComparedImage*>& images) {
+    EXPECT_EQ(images.size(), 2u);
+    EXPECT_EQ(images[0]->trial, images[1]->trial);
+    return images[0]->trial == 2;
+  };
+  CompareEstimators(job);
+  for (const std::string label : {"oracle", "far"}) {
+    EXPECT_TRUE(std::filesystem::exists(ComparedOverlay(folder.path(), 0, label)));
+    EXPECT_FALSE(std::filesystem::exists(ComparedOverlay(folder.path(), 1, label)));
+    EXPECT_TRUE(std::filesystem::exists(ComparedOverlay(folder.path(), 2, label)));
+  }
 }
 
 // Identical cubes, half of them distractors. Distractors are neither required nor counted.
