@@ -8,6 +8,7 @@
 
 #include "eval/completion/sensors.h"
 #include "eval/completion/test_shapes.h"
+#include "eval/shapes/completion_choice.h"
 #include "perception/completion/completion_file.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -37,7 +38,8 @@ std::vector<double> ShapeValues(const CompletionBenchmark& benchmark, const std:
   return sums;
 }
 
-ShapeMean MeanOf(const std::vector<double>& values) {
+// `range`: of the values; the interval does not leave it.
+ShapeMean MeanOf(const std::vector<double>& values, const Interval& range) {
   ShapeMean result;
   result.shapes = static_cast<int>(values.size());
   result.ci95 = Interval::Unknown();
@@ -50,7 +52,7 @@ ShapeMean MeanOf(const std::vector<double>& values) {
     variance += (value - result.mean) * (value - result.mean) / (count - 1);
   }
   const double half = TwoSidedT(0.95, count - 1) * std::sqrt(variance / count);
-  result.ci95 = {result.mean - half, result.mean + half};
+  result.ci95 = {std::max(result.mean - half, range.low), std::min(result.mean + half, range.high)};
   return result;
 }
 
@@ -69,6 +71,20 @@ RandomView DrawTestView(const TestShape& shape, const std::vector<DepthSensor>& 
   } catch (const InputError& error) {
     throw InputError(fmt::format("shape {} of set {}: {}", shape.name, shape.set, error.what()));
   }
+}
+
+// Returns the first shape of each set, then the second one of each, and so on. So an interrupted
+// benchmark has shapes of all sets.
+std::vector<TestShape> InTurn(std::vector<std::vector<TestShape>> sets) {
+  std::vector<TestShape> shapes;
+  size_t rounds = 0;
+  for (const auto& set : sets) rounds = std::max(rounds, set.size());
+  for (size_t i = 0; i < rounds; ++i) {
+    for (auto& set : sets) {
+      if (i < set.size()) shapes.push_back(std::move(set[i]));
+    }
+  }
+  return shapes;
 }
 
 // An unknown method has no row; MakeCompleter() refuses it.
@@ -100,7 +116,7 @@ std::vector<std::string> MethodsWith(const std::vector<std::string>& models) {
   for (const CompleterRow& row : CompleterTable()) {
     if (row.kind == nullptr || !ModelOfKind(models, row.kind).empty()) methods.push_back(row.name);
   }
-  methods.push_back(kTrueShape);
+  methods.push_back(kTrueShapes);
   return methods;
 }
 
@@ -116,7 +132,7 @@ CompletionBenchmark RunCompletionBenchmark(
   benchmark.methods = options.methods;
   std::vector<std::unique_ptr<ShapeCompleter>> completers;  // null: the truth
   for (const std::string& method : options.methods) {
-    if (method == kTrueShape) {
+    if (method == kTrueShapes) {
       completers.push_back(nullptr);
       continue;
     }
@@ -129,14 +145,15 @@ CompletionBenchmark RunCompletionBenchmark(
   const auto first_completer =
       std::ranges::find_if(completers, [](const auto& completer) { return completer != nullptr; });
   CheckInput(first_completer != completers.end(),
-             fmt::format("method '{}' needs another method, whose cells it fills", kTrueShape));
+             fmt::format("method '{}' needs another method, whose cells it fills", kTrueShapes));
   const std::vector<DepthSensor> sensors = DepthSensorsNamed({options.sensor});
-  std::vector<TestShape> shapes;
+  std::vector<std::vector<TestShape>> by_set;
   for (const std::string& set : options.sets) {
-    const std::vector<TestShape> some = TestShapesOf(set, options.shapes, options.data_folder);
+    std::vector<TestShape> some = TestShapesOf(set, options.shapes, options.data_folder);
     (some.empty() ? benchmark.skipped_sets : benchmark.sets).push_back(set);
-    shapes.insert(shapes.end(), some.begin(), some.end());
+    by_set.push_back(std::move(some));
   }
+  const std::vector<TestShape> shapes = InTurn(std::move(by_set));
   CheckInput(!shapes.empty(), fmt::format("no test shapes in {}; give --data with their meshes",
                                           fmt::join(options.sets, ", ")));
   const int total = static_cast<int>(shapes.size());
@@ -146,6 +163,9 @@ CompletionBenchmark RunCompletionBenchmark(
     Rng rng = Rng::Derive(options.seed, HashBytes(shape.name.data(), shape.name.size()),
                           "completion benchmark");
     const double diameter_m = shape.solid->box_O().diagonal().norm();
+    std::vector<CompletionTile>& tiles = benchmark.gallery[shape.set];
+    // Shows a clean and an occluded view in turn.
+    const int shown = static_cast<int>(tiles.size() % 2) * options.views;
     for (int view = 0; view < 2 * options.views; ++view) {
       RandomViewOptions views;
       const bool is_occluded = view >= options.views;
@@ -172,9 +192,8 @@ CompletionBenchmark RunCompletionBenchmark(
              MeasureCompletion(completed[m], truth, surface, drawn, diameter_m, level),
              seconds[m]});
       }
-      std::vector<CompletionTile>& tiles = benchmark.gallery[shape.set];
-      const bool shows = tiles.size() < kGalleryTiles && view == (i % 2) * options.views;
-      if (shows) tiles.push_back({shape.name, drawn.view, completed.front(), truth});
+      if (tiles.size() < kGalleryTiles && view == shown)
+        tiles.push_back({shape.name, drawn.view, completed.front(), truth});
     }
   }
   on_progress(total, total);
@@ -183,7 +202,7 @@ CompletionBenchmark RunCompletionBenchmark(
 
 ShapeMean MeanOverShapes(const CompletionBenchmark& benchmark, const std::string& method,
                          const std::string& set, bool is_occluded, MeasureOf measure) {
-  return MeanOf(ShapeValues(benchmark, method, set, is_occluded, measure));
+  return MeanOf(ShapeValues(benchmark, method, set, is_occluded, measure), {0, 1});
 }
 
 ShapeMean DifferenceOverShapes(const CompletionBenchmark& benchmark, const std::string& method,
@@ -192,7 +211,7 @@ ShapeMean DifferenceOverShapes(const CompletionBenchmark& benchmark, const std::
   std::vector<double> values = ShapeValues(benchmark, method, set, is_occluded, measure);
   const std::vector<double> subtracted = ShapeValues(benchmark, other, set, is_occluded, measure);
   for (size_t i = 0; i < values.size(); ++i) values[i] -= subtracted[i];
-  return MeanOf(values);
+  return MeanOf(values, {-1, 1});
 }
 
 }  // namespace pickbed::eval

@@ -17,7 +17,7 @@
 namespace pickbed::eval {
 
 struct CompletionBenchmarkOptions {
-  std::vector<std::string> methods;   // rows of CompleterTable(), or kTrueShape
+  std::vector<std::string> methods;   // rows of CompleterTable(), or kTrueShapes
   std::vector<std::string> sets;      // of TestSetNames()
   std::filesystem::path data_folder;  // with folders ycb and industrial of meshes
   // Model files or names in assets/models. A method uses the first of its kind.
@@ -52,13 +52,12 @@ struct CompletionBenchmark {
 // InputError for a file that is missing or damaged.
 std::string ModelOfKind(const std::vector<std::string>& models, const std::string& kind);
 
-// Method of the true shape. It shows what the size of the cells costs.
-inline constexpr const char* kTrueShape = "truth";
-
-// Returns the methods that need no model, or for which there is one, and the truth.
+// Returns the methods that need no model, or for which there is one, and kTrueShapes, which shows
+// what the size of the cells costs.
 std::vector<std::string> MethodsWith(const std::vector<std::string>& models);
 
-// Runs the benchmark. `on_progress` gets the number of shapes done and of all; false stops it.
+// Runs the benchmark. `on_progress` gets the number of shapes done and of all; false stops it, and
+// the result has the shapes so far, in turn from each set.
 // Throws InputError for unknown and repeated names, without any test shape, and for a model or a
 // data folder that cannot be read.
 CompletionBenchmark RunCompletionBenchmark(
@@ -66,7 +65,8 @@ CompletionBenchmark RunCompletionBenchmark(
     const std::function<bool(int done, int total)>& on_progress);
 
 // Mean of a measure over shapes, with its 95 % interval: each shape counts once, with the mean of
-// its views. The interval is Student's t; unknown with less than kMinBinsOfInterval shapes.
+// its views. The interval is Student's t, within the range of the measure (0 to 1) or of the
+// difference (-1 to 1). It is unknown with less than kMinBinsOfInterval shapes.
 struct ShapeMean {
   double mean = 0;
   Interval ci95;

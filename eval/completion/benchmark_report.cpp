@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <map>
 
 #include "eval/page/html.h"
 #include "eval/page/vega.h"
+#include "eval/shapes/completion_choice.h"
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 
@@ -81,6 +82,29 @@ Calibration CalibrationOf(const CompletionBenchmark& benchmark, const std::strin
   return sums;
 }
 
+// Share of the cells of a bin of probability that are inside the true shape. The interval is over
+// shapes.
+ReportRate InsideRate(const CompletionBenchmark& benchmark, const std::string& method,
+                      const std::string& set, int bin) {
+  std::map<std::string, Cluster> by_shape;
+  for (const CompletionRow& row : benchmark.rows) {
+    if (row.method != method || row.set != set) continue;
+    Cluster& cells = by_shape[row.shape];
+    cells.hits += static_cast<int>(row.measures.calibration[bin][2]);
+    cells.samples += static_cast<int>(row.measures.calibration[bin][0]);
+  }
+  std::vector<Cluster> clusters;
+  for (const auto& [shape, cells] : by_shape) clusters.push_back(cells);
+  return ClusterRate(clusters);
+}
+
+// "0.89 [0.86, 0.92]", or "-" without samples.
+std::string ShareText(const ReportRate& rate) {
+  if (rate.samples == 0) return "-";
+  if (!rate.ci95.is_known()) return fmt::format("{:.2f}", rate.rate());
+  return fmt::format("{:.2f} [{:.2f}, {:.2f}]", rate.rate(), rate.ci95.low, rate.ci95.high);
+}
+
 TableCells CalibrationTable(const CompletionBenchmark& benchmark) {
   TableCells table{{"set"}};
   for (int bin = 0; bin < kCalibrationBins; ++bin) {
@@ -88,8 +112,8 @@ TableCells CalibrationTable(const CompletionBenchmark& benchmark) {
   }
   for (const std::string& set : benchmark.sets) {
     std::vector<std::string>& row = table.emplace_back(std::vector<std::string>{set});
-    for (const auto& bin : CalibrationOf(benchmark, benchmark.methods.front(), set)) {
-      row.push_back(bin[0] > 0 ? fmt::format("{:.2f}", bin[2] / bin[0]) : "-");
+    for (int bin = 0; bin < kCalibrationBins; ++bin) {
+      row.push_back(ShareText(InsideRate(benchmark, benchmark.methods.front(), set, bin)));
     }
   }
   return table;
@@ -136,30 +160,46 @@ std::string CalibrationCsv(const CompletionBenchmark& benchmark) {
   for (const std::string& method : benchmark.methods) {
     for (const std::string& set : benchmark.sets) {
       const Calibration sums = CalibrationOf(benchmark, method, set);
-      for (const auto& bin : sums) {
-        if (bin[0] <= 0) continue;
-        csv += fmt::format("{},{},{:.4f},{:.4f},{:.0f}\n", method, set, bin[1] / bin[0],
-                           bin[2] / bin[0], bin[0]);
+      for (int bin = 0; bin < kCalibrationBins; ++bin) {
+        if (sums[bin][0] <= 0) continue;
+        const ReportRate inside = InsideRate(benchmark, method, set, bin);
+        csv +=
+            fmt::format("{},{},{:.4f},{:.4f},{},{:.0f}\n", method, set, sums[bin][1] / sums[bin][0],
+                        inside.rate(), IntervalCells(inside.ci95, 4), sums[bin][0]);
       }
     }
   }
   return csv;
 }
 
-double MedianSeconds(const CompletionBenchmark& benchmark, const std::string& method) {
-  std::vector<double> seconds;
+// Median duration of a completion, with its 95 % interval over shapes.
+struct MedianDuration {
+  double median_s = 0;
+  Interval ci95;
+};
+
+MedianDuration SecondsOf(const CompletionBenchmark& benchmark, const std::string& method) {
+  std::map<std::pair<std::string, std::string>, std::vector<double>> by_shape;
   for (const CompletionRow& row : benchmark.rows) {
-    if (row.method == method) seconds.push_back(row.seconds);
+    if (row.method == method) by_shape[{row.set, row.shape}].push_back(row.seconds);
   }
-  if (seconds.empty()) return 0;
-  std::nth_element(seconds.begin(), seconds.begin() + seconds.size() / 2, seconds.end());
-  return seconds[seconds.size() / 2];
+  ValueClusters clusters;
+  for (const auto& [shape, seconds] : by_shape) clusters.push_back(seconds);
+  if (clusters.empty()) return {0, Interval::Unknown()};
+  return {MedianOf(clusters), MedianInterval(clusters)};
+}
+
+std::string SecondsText(const MedianDuration& seconds) {
+  const std::string median = fmt::format("{:.4f}", seconds.median_s);
+  if (!seconds.ci95.is_known()) return median;
+  return fmt::format("{} [{:.4f}, {:.4f}]", median, seconds.ci95.low, seconds.ci95.high);
 }
 
 std::string TimingsCsv(const CompletionBenchmark& benchmark) {
   std::string csv = HeaderLine(CompletionTimingsColumns());
   for (const std::string& method : benchmark.methods) {
-    csv += fmt::format("{},{:.4f}\n", method, MedianSeconds(benchmark, method));
+    const MedianDuration seconds = SecondsOf(benchmark, method);
+    csv += fmt::format("{},{:.4f},{}\n", method, seconds.median_s, IntervalCells(seconds.ci95, 4));
   }
   return csv;
 }
@@ -199,28 +239,30 @@ ResultColumns CompletionCalibrationColumns() {
           {"set", "name of the test set"},
           {"probability", "mean probability of the cells of a bin", "0..1"},
           {"inside", "share of these cells inside the true shape", "0..1"},
+          {"inside_low", "lower end of its 95 % interval over shapes", "0..1"},
+          {"inside_high", "upper end of its 95 % interval over shapes", "0..1"},
           {"cells", "number of cells"}};
 }
 
 ResultColumns CompletionTimingsColumns() {
-  return {{"method", "name of the completion method"}, {"seconds", "median of a completion"}};
+  return {{"method", "name of the completion method"},
+          {"seconds", "median duration of a completion", "s"},
+          {"seconds_low", "lower end of its 95 % interval over shapes", "s"},
+          {"seconds_high", "upper end of its 95 % interval over shapes", "s"}};
 }
 
 std::string CompletionTableText(const CompletionBenchmark& benchmark) {
   std::string text;
   for (const bool is_occluded : {false, true}) {
     text += fmt::format("IoU, {}\n  {:<17}", ConditionName(is_occluded), "");
-    for (const std::string& set : benchmark.sets) text += fmt::format("{:>17}", set);
+    for (const std::string& set : benchmark.sets) text += fmt::format("{:>23}", set);
     text += "\n";
     for (const std::string& method : benchmark.methods) {
       text += fmt::format("  {:<17}", method);
       for (const std::string& set : benchmark.sets) {
         const ShapeMean mean =
             MeanOverShapes(benchmark, method, set, is_occluded, kMeasures[0].value);
-        const double half = 0.5 * (mean.ci95.high - mean.ci95.low);
-        text += fmt::format("{:>17}", mean.ci95.is_known()
-                                          ? fmt::format("{:.3f} +-{:.3f}", mean.mean, half)
-                                          : fmt::format("{:.3f}", mean.mean));
+        text += fmt::format("{:>23}", MeanText(mean));
       }
       text += "\n";
     }
@@ -268,13 +310,15 @@ void AddCompletionBenchmark(const std::filesystem::path& folder,
     }
   }
   page.Heading("Calibration of " + benchmark.methods.front());
-  page.Paragraph("Share of the cells inside the true shape, by their probability.");
+  page.Paragraph(
+      "Share of the cells inside the true shape, by their probability, with its interval over "
+      "shapes.");
   page.Table(CalibrationTable(benchmark));
   page.Heading("Seconds");
   TableCells seconds{{"method", "median seconds of a completion"}};
   for (const std::string& method : benchmark.methods) {
-    if (method == kTrueShape) continue;
-    seconds.push_back({method, fmt::format("{:.4f}", MedianSeconds(benchmark, method))});
+    if (method == kTrueShapes) continue;
+    seconds.push_back({method, SecondsText(SecondsOf(benchmark, method))});
   }
   page.Table(seconds);
   page.Heading("Gallery of " + benchmark.methods.front());

@@ -9,6 +9,9 @@
 
 namespace pickbed::eval {
 
+// Name of the true shapes in place of a method, which no method can exceed.
+inline constexpr char kTrueShapes[] = "truth";
+
 // Returns the options of a method (perception::CompleterTable()), or of a model file, whose kind
 // gives the method. A text with a folder or the extension .net is a file. Throws InputError for a
 // file that cannot be read. An unknown method is returned as it is.

@@ -9,15 +9,13 @@
 #include <vector>
 
 #include "eval/layer.h"
+#include "eval/shapes/completion_choice.h"
 #include "grasp/completed/occupancy_shape.h"
 #include "perception/completion/shape_completer.h"
 #include "perception/segments/object_segments.h"
 #include "scenes/scene.h"
 
 namespace pickbed::eval {
-
-// Value of planner.completion for the true shapes, which no method can exceed.
-inline constexpr char kTrueShapes[] = "truth";
 
 // Ground truth of an image, for kTrueShapes. References must outlive the next call of Shapes().
 struct TrueShapes {

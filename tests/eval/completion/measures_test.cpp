@@ -1,9 +1,13 @@
 #include "eval/completion/measures.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <map>
+#include <set>
 
 #include "eval/completion/benchmark.h"
 #include "eval/completion/benchmark_report.h"
@@ -50,6 +54,11 @@ Case CaseOf(const ViewedSolid& solid) {
   made.truth = TrueVolume(solid, made.drawn, cells);
   made.surface = TrueSurfacePoints(solid, made.drawn, made.truth);
   return made;
+}
+
+int CountOccluded(const SegmentView& view) {
+  return static_cast<int>(
+      std::ranges::count_if(view.occluders.pixels(), [](uint8_t pixel) { return pixel != 0; }));
 }
 
 TEST(CompletionMeasures, TheTruthItselfHasNoError) {
@@ -167,6 +176,25 @@ TEST(CompletionBenchmark, RefusesRepeatedNamesMissingFoldersAndNoShapes) {
   EXPECT_THROW(run(wrong), InputError);
 }
 
+// A stopped benchmark has shapes of all sets.
+TEST(CompletionBenchmark, SetsTakeTurns) {
+  CompletionBenchmarkOptions options;
+  options.methods = {"skirt"};
+  options.sets = {"catalog", "unseen_families"};
+  options.shapes = options.views = 1;
+  options.cells = 12;
+  const CompletionBenchmark benchmark =
+      RunCompletionBenchmark(options, [](int done, int) { return done < 4; });
+  std::map<std::string, std::set<std::string>> shapes;
+  for (const CompletionRow& row : benchmark.rows) shapes[row.set].insert(row.shape);
+  EXPECT_EQ(shapes["catalog"].size(), 2u);
+  EXPECT_EQ(shapes["unseen_families"].size(), 2u);
+  // The gallery shows a clean and an occluded view of each set.
+  EXPECT_EQ(benchmark.gallery.at("catalog").size(), 2u);
+  EXPECT_EQ(CountOccluded(benchmark.gallery.at("catalog")[0].view), 0);
+  EXPECT_GT(CountOccluded(benchmark.gallery.at("catalog")[1].view), 0);
+}
+
 // Another training must not replace the shipped model by a worse one, or by one over 3 MB.
 TEST(ShippedCompletionModel, IsSmallAndFarBetterThanTheSkirt) {
   EXPECT_LT(std::filesystem::file_size(TrainedFile("completion")), 3'000'000u);
@@ -205,6 +233,63 @@ TEST(CompletionBenchmark, TheTruthIsAMethod) {
   EXPECT_GT(rows, 0);
   options.methods = {"truth"};
   EXPECT_THROW(RunCompletionBenchmark(options, [](int, int) { return true; }), InputError);
+}
+
+TEST(CompletionBenchmark, IntervalsStayInTheRangeOfTheirValues) {
+  CompletionBenchmark benchmark;
+  for (int shape = 0; shape < 5; ++shape) {
+    for (const char* method : {"network", "skirt"}) {
+      CompletionRow row{method, "seen", std::to_string(shape), false, 0, {}, 0.1};
+      const bool is_good = std::string(method) == "network";
+      row.measures.iou = is_good ? (shape == 0 ? 0.7 : 1) : (shape == 0 ? 0.3 : 0);
+      benchmark.rows.push_back(row);
+    }
+  }
+  const auto iou = [](const CompletionMeasures& m) { return m.iou; };
+  const ShapeMean high = MeanOverShapes(benchmark, "network", "seen", false, iou);
+  EXPECT_EQ(high.ci95.high, 1);
+  EXPECT_LT(high.ci95.low, high.mean);
+  EXPECT_GT(high.ci95.low, 0.7);
+  const ShapeMean low = MeanOverShapes(benchmark, "skirt", "seen", false, iou);
+  EXPECT_EQ(low.ci95.low, 0);
+  EXPECT_GT(low.ci95.high, low.mean);
+  const ShapeMean more = DifferenceOverShapes(benchmark, "network", "skirt", "seen", false, iou);
+  EXPECT_EQ(more.ci95.high, 1);
+  const ShapeMean less = DifferenceOverShapes(benchmark, "skirt", "network", "seen", false, iou);
+  EXPECT_EQ(less.ci95.low, -1);
+}
+
+// The cells of all views of a shape are not independent, and neither are its durations.
+TEST(CompletionBenchmark, CalibrationAndSecondsHaveIntervalsOverShapes) {
+  CompletionBenchmark benchmark;
+  benchmark.methods = {"skirt"};
+  benchmark.sets = {"seen"};
+  std::vector<Cluster> cells;
+  ValueClusters seconds;
+  for (int shape = 0; shape < 8; ++shape) {
+    const double inside = shape < 4 ? 500 : 0, duration_s = 0.1 * (shape + 1);
+    for (const bool is_occluded : {false, true}) {
+      CompletionRow row{"skirt", "seen", std::to_string(shape), is_occluded, 0, {}, duration_s};
+      row.measures.calibration[5] = {500, 275, inside};
+      benchmark.rows.push_back(row);
+    }
+    cells.push_back({static_cast<int>(2 * inside), 1000});
+    seconds.push_back({duration_s, duration_s});
+  }
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "completion_intervals";
+  HtmlPage page("Shape completion");
+  AddCompletionBenchmark(folder, benchmark, {}, page);
+  const Interval share = ClusterInterval(cells);
+  EXPECT_LT(share.low, 0.25) << "8000 independent cells would give 0.489";
+  EXPECT_THAT(ReadFileBytes(folder / kCompletionCalibration),
+              ::testing::HasSubstr(fmt::format("skirt,seen,0.5500,0.5000,{:.4f},{:.4f},8000\n",
+                                               share.low, share.high)));
+  EXPECT_THAT(page.body(),
+              ::testing::HasSubstr(fmt::format("[{:.2f}, {:.2f}]", share.low, share.high)));
+  const Interval duration = MedianInterval(seconds);
+  EXPECT_THAT(ReadFileBytes(folder / kCompletionTimings),
+              ::testing::HasSubstr(
+                  fmt::format("skirt,0.4000,{:.4f},{:.4f}\n", duration.low, duration.high)));
 }
 
 TEST(CompletionBenchmark, MeansAndDifferencesAreOverShapes) {
