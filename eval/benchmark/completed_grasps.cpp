@@ -5,13 +5,18 @@
 #include <algorithm>
 #include <set>
 
+#include "eval/draw/overlay.h"
 #include "eval/trial/trial.h"
 #include "grasp/planners/table.h"
 #include "scenes/base/error.h"
+#include "scenes/base/files.h"
+#include "scenes/image/image_io.h"
 #include "scenes/scenario/find_scenario.h"
 
 namespace pickbed::eval {
 namespace {
+
+constexpr int kGalleryWidth_px = 900;
 
 void SetPlanner(const std::string& name, const std::string& completion, ScenarioSpec& spec) {
   spec.planner.name = name;
@@ -73,21 +78,34 @@ std::pair<std::vector<Cluster>, std::vector<Cluster>> Paired(
   return pairs;
 }
 
+// The p value of few bins says nothing.
+std::string PText(const PairedStatistic& statistic) {
+  return statistic.difference_ci95.is_known() ? fmt::format("{:.3f}", statistic.p_value) : "-";
+}
+
+// One planner in the bins of a condition.
+struct PlannerRun {
+  std::unique_ptr<TrialRunner> runner;
+  std::unique_ptr<GraspPictures> pictures;  // null: none
+};
+
 TableCells GraspTable(const CompletedGrasps& grasps) {
   TableCells table{{"condition", "planner", "instances picked", "difference, points",
-                    "grasps that succeed", "shapes"}};
+                    "grasps that succeed", "difference, points", "p", "shapes"}};
   for (const char* condition : kGraspConditions) {
     for (const std::string& planner : grasps.planners) {
       const auto& shapes = grasps.shapes.at(condition).at(planner);
       const GraspRate picked = GraspRateOf(grasps, condition, planner, &ShapeGrasps::picked);
       const GraspRate reference =
           GraspRateOf(grasps, condition, grasps.planners.front(), &ShapeGrasps::picked);
+      const PairedStatistic success = SuccessDifference(grasps, condition, planner);
       const bool is_reference = planner == grasps.planners.front();
       table.push_back(
           {condition, planner, RateText(picked.rate),
            is_reference ? "-"
                         : PointsText(picked.rate.rate() - reference.rate.rate(), picked.difference),
            RateText(GraspRateOf(grasps, condition, planner, &ShapeGrasps::grasps).rate),
+           is_reference ? "-" : DifferenceText(success), is_reference ? "-" : PText(success),
            std::to_string(shapes.size())});
     }
   }
@@ -96,8 +114,9 @@ TableCells GraspTable(const CompletedGrasps& grasps) {
 
 }  // namespace
 
-void AddTrial(const TrialResult& trial, const std::vector<std::string>& names,
-              std::map<std::string, ShapeGrasps>& shapes) {
+Cluster AddTrial(const TrialResult& trial, const std::vector<std::string>& names,
+                 std::map<std::string, ShapeGrasps>& shapes) {
+  Cluster sum;
   std::map<InstanceId, ShapeGrasps*> by_instance;
   for (const InstanceOutcome& outcome : trial.outcomes) {
     ShapeGrasps& shape = shapes[names.at(outcome.object)];
@@ -111,7 +130,10 @@ void AddTrial(const TrialResult& trial, const std::vector<std::string>& names,
     ++found->second->grasps.samples;
     found->second->grasps.hits += succeeded;
     found->second->picked.hits += succeeded;
+    ++sum.samples;
+    sum.hits += succeeded;
   }
+  return sum;
 }
 
 void CheckCompletedGrasps(const CompletedGraspsOptions& options) { LoadedPool(options); }
@@ -124,27 +146,48 @@ CompletedGrasps RunCompletedGrasps(const CompletedGraspsOptions& options,
   CompletedGrasps grasps;
   grasps.planners = options.planners;
   for (const char* condition : kGraspConditions) {
-    for (const std::string& planner : options.planners) grasps.shapes[condition][planner];
+    for (const std::string& planner : options.planners) {
+      grasps.shapes[condition][planner];
+      grasps.bins[condition][planner];
+    }
   }
-  const int planners = static_cast<int>(options.planners.size());
-  const int total = planners * (options.single + options.bins);
+  const int total = static_cast<int>(options.planners.size()) * (options.single + options.bins);
   int done = 0;
   for (const char* condition : kGraspConditions) {
     const bool is_single = condition == kGraspConditions[0];
-    std::vector<std::unique_ptr<TrialRunner>> runners;
+    std::vector<ScenarioSpec> specs;
     for (const std::string& planner : options.planners) {
-      runners.push_back(std::make_unique<TrialRunner>(
-          SpecOf(condition, scenario.spec, planner, options), scenario.objects));
+      specs.push_back(SpecOf(condition, scenario.spec, planner, options));
     }
+    std::vector<PlannerRun> runs;
+    for (const ScenarioSpec& spec : specs) {
+      PlannerRun& run = runs.emplace_back();
+      run.runner = std::make_unique<TrialRunner>(spec, scenario.objects);
+      if (options.pictures) run.pictures = std::make_unique<GraspPictures>(spec);
+    }
+    const auto take_pictures = [&] {
+      for (size_t i = 0; options.pictures && i < runs.size(); ++i) {
+        grasps.gallery[condition][options.planners[i]] = runs[i].pictures->TakeTiles();
+      }
+    };
     // All planners pick a bin before the next one, so an interrupted benchmark is paired.
     for (int bin = 0; bin < (is_single ? options.single : options.bins); ++bin) {
-      if (on_progress && !on_progress(done, total)) return grasps;
-      for (int i = 0; i < planners; ++i) {
-        AddTrial(runners[i]->Run(BinIndex(bin)), names,
-                 grasps.shapes[condition][options.planners[i]]);
+      std::vector<TrialResult> trials;
+      for (const PlannerRun& run : runs) {
+        if (on_progress && !on_progress(done, total)) {
+          take_pictures();
+          return grasps;
+        }
+        trials.push_back(run.runner->Run(BinIndex(bin), run.pictures.get()));
+        ++done;
       }
-      done += planners;
+      for (size_t i = 0; i < runs.size(); ++i) {
+        const std::string& planner = options.planners[i];
+        grasps.bins[condition][planner].push_back(
+            AddTrial(trials[i], names, grasps.shapes[condition][planner]));
+      }
     }
+    take_pictures();
   }
   if (on_progress) on_progress(total, total);
   return grasps;
@@ -158,6 +201,13 @@ GraspRate GraspRateOf(const CompletedGrasps& grasps, const std::string& conditio
   const auto [reference, paired] =
       Paired(by_planner.at(grasps.planners.front()), by_planner.at(planner), value);
   return {ClusterRate(own), PairedInterval(reference, paired)};
+}
+
+PairedStatistic SuccessDifference(const CompletedGrasps& grasps, const std::string& condition,
+                                  const std::string& planner) {
+  const auto& by_planner = grasps.bins.at(condition);
+  return PairedRate("success", "grasps that succeed", by_planner.at(grasps.planners.front()),
+                    by_planner.at(planner));
 }
 
 std::string CompletedGraspsText(const CompletedGrasps& grasps) {
@@ -176,7 +226,11 @@ ResultColumns CompletedGraspsColumns() {
           {"difference_low", "lower end of its 95 % interval, paired by shape", "-1..1"},
           {"difference_high", "upper end of its 95 % interval, paired by shape", "-1..1"},
           {"executed", "number of executed grasps"},
-          {"succeeded", "number of these that succeeded"}};
+          {"succeeded", "number of these that succeeded"},
+          {"success_difference", "difference of their share to the first planner", "-1..1"},
+          {"success_difference_low", "lower end of its 95 % interval, paired by bin", "-1..1"},
+          {"success_difference_high", "upper end of its 95 % interval, paired by bin", "-1..1"},
+          {"success_p", "p value of the test of `pickbed compare`, paired by bin", "0..1"}};
 }
 
 std::string CompletedGraspsCsv(const CompletedGrasps& grasps) {
@@ -188,11 +242,13 @@ std::string CompletedGraspsCsv(const CompletedGrasps& grasps) {
       const GraspRate picked = GraspRateOf(grasps, condition, planner, &ShapeGrasps::picked);
       const ReportRate executed =
           GraspRateOf(grasps, condition, planner, &ShapeGrasps::grasps).rate;
-      csv += fmt::format("{},{},{},{},{},{},{:.4f},{},{},{}\n", condition, planner,
+      const PairedStatistic success = SuccessDifference(grasps, condition, planner);
+      csv += fmt::format("{},{},{},{},{},{},{:.4f},{},{},{},{:.4f},{},{:.4f}\n", condition, planner,
                          grasps.shapes.at(condition).at(planner).size(), picked.rate.samples,
                          picked.rate.hits, IntervalCells(picked.rate.ci95, 4),
                          picked.rate.rate() - reference.rate(), IntervalCells(picked.difference, 4),
-                         executed.samples, executed.hits);
+                         executed.samples, executed.hits, success.difference(),
+                         IntervalCells(success.difference_ci95, 4), success.p_value);
     }
   }
   return csv;
@@ -222,16 +278,44 @@ std::string CompletedGraspsShapesCsv(const CompletedGrasps& grasps) {
   return csv;
 }
 
-void AddCompletedGrasps(const CompletedGrasps& grasps, HtmlPage& page) {
+void AddCompletedGrasps(const std::filesystem::path& folder, const CompletedGrasps& grasps,
+                        HtmlPage& page) {
   page.Heading("Grasps of unknown objects");
   page.Paragraph(
       "Picks in physics. Single: one shape in the bin, and one attempt. Bins: several shapes, "
       "picked by the policy of the scenario. All planners get the same bins. Row truth plans on "
-      "the "
-      "true shapes. 95 % intervals are over shapes, and differences to the first planner are "
-      "paired "
-      "by shape.");
+      "the true shapes. 95 % intervals of rates are over shapes. Differences are to the first "
+      "planner, paired by shape for picked instances and by bin for grasps. The test is the "
+      "one of pickbed compare.");
   page.Table(GraspTable(grasps));
+  if (grasps.gallery.empty()) return;
+  page.Heading("Gallery of grasps");
+  page.Paragraph(
+      "The first grasps that succeeded and failed. From left to right: the segments of the image, "
+      "the completed shape from the camera and from its side, and the hand at the grasp. A planner "
+      "that completes no shapes has only the hand.");
+  for (const char* condition : kGraspConditions) {
+    const auto by_planner = grasps.gallery.find(condition);
+    if (by_planner == grasps.gallery.end()) continue;  // not begun
+    for (const std::string& planner : grasps.planners) {
+      std::vector<Image<Rgb8>> pictures;
+      std::vector<std::string> captions;
+      for (const GraspTile& tile : by_planner->second.at(planner)) {
+        pictures.push_back(tile.picture);
+        captions.push_back(tile.caption);
+      }
+      page.Subheading(fmt::format("{}, {}", planner, condition));
+      if (pictures.empty()) {
+        page.Note("No grasp was executed.");
+        continue;
+      }
+      const std::string file = fmt::format("gallery_grasps_{}_{}.png", condition, planner);
+      const int columns = std::clamp(kGalleryWidth_px / pictures.front().width(), 1,
+                                     static_cast<int>(pictures.size()));
+      WritePng(folder / file, ContactSheet(pictures, captions, columns));
+      page.WidePicture(file, fmt::format("grasps of planner {}", planner));
+    }
+  }
 }
 
 }  // namespace pickbed::eval

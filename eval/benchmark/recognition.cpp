@@ -18,6 +18,8 @@ namespace {
 constexpr double kTiny = 1e-9;
 // Bins of a scenario before the next scenario. So an interrupted benchmark has bins of each.
 constexpr int kRoundBins = 2;
+// Images of the gallery that gained instances, and that lost some.
+constexpr int kGalleryImages = 3;
 
 RecognitionBin RecognitionOf(const std::string& scenario, const std::string& completion,
                              const ComparedRow& row, const ComparedImage& image) {
@@ -134,15 +136,42 @@ TableCells PrecisionTable(const Recognition& recognition) {
   return table;
 }
 
-// Estimates one round of bins of a scenario.
-std::vector<ComparedRow> ComparedRound(const RecognitionOptions& options, const std::string& name,
-                                       int first, int bins,
-                                       const std::function<bool(int done)>& on_bin) {
+// Chooses the images of the gallery while they are estimated.
+class GalleryChoice {
+ public:
+  // Returns whether the gallery shows an image with this change.
+  bool Takes(const RecalledChange& change) {
+    const bool gains = change.gained > 0 && gained_ < kGalleryImages;
+    const bool loses = change.lost > 0 && lost_ < kGalleryImages;
+    if (!is_first_ && !gains && !loses) return false;
+    is_first_ = false;
+    gained_ += gains;
+    lost_ += loses;
+    return true;
+  }
+
+ private:
+  bool is_first_ = true;
+  int gained_ = 0, lost_ = 0;
+};
+
+// A round of bins of a scenario.
+struct Round {
+  std::string scenario;
+  int first = 0;  // bin
+  int bins = 0;
+};
+
+// Estimates one round. Adds its pictures to the gallery.
+std::vector<ComparedRow> ComparedRound(const RecognitionOptions& options, const Round& round,
+                                       const std::function<bool(int done)>& on_bin,
+                                       GalleryChoice& choice,
+                                       std::vector<RecognitionPictures>& gallery) {
   ScenarioRequest request;
-  request.scenario = name;
-  request.trials = bins;
+  request.scenario = round.scenario;
+  request.trials = round.bins;
   LoadedScenario scenario = FindScenario(request);
-  scenario.spec.seed = options.seed + static_cast<uint64_t>(first);
+  scenario.spec.seed = options.seed + static_cast<uint64_t>(round.first);
   scenario.spec.estimator.mode = options.mode;
   ComparisonJob job{scenario.spec, scenario.objects, {}, {}, 0, 1, {}, {}};
   for (const std::string& completion : options.completions) {
@@ -156,10 +185,39 @@ std::vector<ComparedRow> ComparedRound(const RecognitionOptions& options, const 
     if (what == "bin") goes_on = on_bin(done);
   };
   job.stop = [&] { return !goes_on; };
+  if (!options.pictures.empty()) {
+    const std::filesystem::path folder =
+        fmt::format("{}_{:03}", std::filesystem::path(round.scenario).stem().string(), round.first);
+    job.out = options.pictures / folder;
+    job.wants_pictures = [&, folder](const std::vector<const ComparedImage*>& images) {
+      const ComparedImage &before = *images.front(), &after = *images.back();
+      const RecalledChange change = ChangeInImage(before.score.instances, after.score.instances);
+      if (!choice.Takes(change)) return false;
+      gallery.push_back({round.scenario, round.first + before.trial, change,
+                         ComparedOverlay(folder, before.trial, options.completions.front()),
+                         ComparedOverlay(folder, before.trial, options.completions.back())});
+      return true;
+    };
+  }
   return CompareEstimators(job);
 }
 
 }  // namespace
+
+RecalledChange ChangeInImage(const std::vector<InstanceRecord>& before,
+                             const std::vector<InstanceRecord>& after) {
+  RecalledChange change;
+  for (size_t i = 0; i < before.size(); ++i) {
+    if (before[i].visible_fraction < kCountedVisibility) continue;
+    const bool was = before[i].recalled, is = after[i].recalled;
+    ++change.instances;
+    change.recalled_before += was;
+    change.recalled_after += is;
+    change.gained += is && !was;
+    change.lost += was && !is;
+  }
+  return change;
+}
 
 void CheckRecognition(const RecognitionOptions& options) {
   const std::set<std::string> distinct(options.completions.begin(), options.completions.end());
@@ -186,15 +244,18 @@ Recognition RunRecognition(const RecognitionOptions& options,
   const int total = options.bins * static_cast<int>(options.scenarios.size());
   int done = 0;
   bool stops = false;
+  GalleryChoice choice;
   for (int first = 0; first < options.bins && !stops; first += kRoundBins) {
     for (const std::string& name : options.scenarios) {
       if (stops) break;
       const int bins = std::min(kRoundBins, options.bins - first);
+      if (on_progress && !on_progress(done, total)) return recognition;
       const auto on_bin = [&](int bins_done) {
         if (on_progress && !on_progress(done + bins_done, total)) stops = true;
         return !stops;
       };
-      const std::vector<ComparedRow> rows = ComparedRound(options, name, first, bins, on_bin);
+      const std::vector<ComparedRow> rows =
+          ComparedRound(options, {name, first, bins}, on_bin, choice, recognition.gallery);
       for (size_t image = 0; image < rows.front().images.size(); ++image) {
         for (size_t i = 0; i < rows.size(); ++i) {
           recognition.bins.push_back(
@@ -282,7 +343,8 @@ std::string RecognitionBinsCsv(const Recognition& recognition) {
   return csv;
 }
 
-void AddRecognition(const Recognition& recognition, HtmlPage& page) {
+void AddRecognition(const Recognition& recognition, const std::filesystem::path& pictures,
+                    HtmlPage& page) {
   page.Heading("Recognition of known objects");
   page.Paragraph(
       "Recall of estimator descriptor on the same images, with additional poses from completed "
@@ -291,6 +353,24 @@ void AddRecognition(const Recognition& recognition, HtmlPage& page) {
       "bin.");
   page.Table(RecallTable(recognition));
   page.Table(PrecisionTable(recognition));
+  if (recognition.gallery.empty()) return;
+  const std::string &reference = recognition.completions.front(),
+                    &completion = recognition.completions.back();
+  page.Heading("Gallery of recognition");
+  page.Paragraph(
+      fmt::format("The first image, and images in which completion {} gained or lost instances. "
+                  "On the left are the poses with {}, on the right those with {}.",
+                  completion, reference, completion));
+  for (const RecognitionPictures& images : recognition.gallery) {
+    const RecalledChange& change = images.change;
+    page.Subheading(fmt::format("{}, bin {}: {} gained, {} lost", images.scenario, images.bin,
+                                change.gained, change.lost));
+    const auto caption = [&](const std::string& name, int recalled) {
+      return fmt::format("{}: {} of {} instances", name, recalled, change.instances);
+    };
+    page.Picture((pictures / images.without).string(), caption(reference, change.recalled_before));
+    page.Picture((pictures / images.with).string(), caption(completion, change.recalled_after));
+  }
 }
 
 }  // namespace pickbed::eval

@@ -4,6 +4,7 @@
 // estimates the same images without completion and with each method of completion
 // (EstimatorSpec::completion). Differences are paired by bin.
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -19,11 +20,13 @@ inline constexpr char kRecognitionBinsFile[] = "recognition_bins.csv";
 
 struct RecognitionOptions {
   std::vector<std::string> scenarios;                                // names or files
-  int bins = 12;                                                     // of each scenario
+  int bins = 8;                                                      // of each scenario
   std::string mode = "accurate";                                     // of estimator descriptor
   std::vector<std::string> completions{"none", "skirt", "network"};  // the first is the reference
   std::string model = "completion";                                  // of method network
   uint64_t seed = 9100;
+  // Folder that gets the pictures of Recognition::gallery; empty = no pictures.
+  std::filesystem::path pictures;
 };
 
 // Result of one completion in one bin.
@@ -35,9 +38,29 @@ struct RecognitionBin {
   double seconds = 0;          // of the estimate
 };
 
+// Instances whose visible fraction counts that one completion recalls and another one does not.
+struct RecalledChange {
+  int instances = 0;
+  int recalled_before = 0, recalled_after = 0;
+  int gained = 0, lost = 0;
+};
+// Compares two results for the same image.
+RecalledChange ChangeInImage(const std::vector<InstanceRecord>& before,
+                             const std::vector<InstanceRecord>& after);
+
+// Pictures of one image, with the poses of the reference and of the last completion.
+struct RecognitionPictures {
+  std::string scenario;
+  int bin = 0;
+  RecalledChange change;
+  std::filesystem::path without, with;  // overlays, relative to RecognitionOptions::pictures
+};
+
 struct Recognition {
   std::vector<std::string> completions;  // the first is the reference
   std::vector<RecognitionBin> bins;      // of a bin in the order of the completions
+  // The first image, and some images in which the last completion gained or lost instances.
+  std::vector<RecognitionPictures> gallery;
 };
 
 // Throws InputError for unknown names and repeated completions.
@@ -68,7 +91,9 @@ std::string RecognitionCsv(const Recognition& recognition);
 ResultColumns RecognitionColumns();
 std::string RecognitionBinsCsv(const Recognition& recognition);
 ResultColumns RecognitionBinsColumns();
-// Appends the tables to a page.
-void AddRecognition(const Recognition& recognition, HtmlPage& page);
+// Appends the tables and the gallery to a page. `pictures` is RecognitionOptions::pictures relative
+// to the folder of the page.
+void AddRecognition(const Recognition& recognition, const std::filesystem::path& pictures,
+                    HtmlPage& page);
 
 }  // namespace pickbed::eval

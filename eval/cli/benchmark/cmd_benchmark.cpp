@@ -22,7 +22,7 @@ constexpr CommandRow kTables[] = {
      &BenchmarkCropsCommand},
     {"bins", "all pose estimators on the same bins: recall, top-ranked pose, AP, time, memory",
      &BenchmarkBinsCommand},
-    {"completion", "shape completion methods on sampled shapes and meshes: IoU, surface, time",
+    {"completion", "shape completion: accuracy, grasps of unknown objects, recognition of known ones",
      &BenchmarkCompletionCommand},
     {"rooms", "poses where the background is not known: precision, false poses, calibration",
      &BenchmarkRoomsCommand},

@@ -22,14 +22,21 @@ namespace pickbed::eval {
 namespace {
 
 constexpr const char* kShapesTables = "shapes";
-constexpr const char* kRecognitionTables = "recognition";
 constexpr const char* kGraspTables = "grasp";
+constexpr const char* kRecognitionTables = "recognition";
+
+// Expected duration of an item of each table on one core, s. Only the time left depends on it.
+constexpr double kCompletion_s = 0.07;  // of one method
+constexpr double kTrial_s = 7;
+constexpr double kBin_s = 15;
+
+constexpr char kGalleryFolder[] = "recognition";
 
 struct BenchmarkRequest {
   CompletionBenchmarkOptions shapes;
   RecognitionOptions recognition;
   CompletedGraspsOptions grasps;
-  std::vector<std::string> tables{kShapesTables};
+  std::vector<std::string> tables{kShapesTables, kGraspTables, kRecognitionTables};
   std::string out;
 
   bool Has(const char* name) const {
@@ -37,18 +44,69 @@ struct BenchmarkRequest {
   }
 };
 
-// Shows progress and returns whether to go on.
-std::function<bool(int, int)> Shown(ProgressLine& progress, std::string what) {
-  return [&progress, what = std::move(what)](int done, int total) {
-    ProgressState state;
-    state.what = what;
-    state.done = done;
-    state.total = total;
-    progress.Show(state);
-    return !Interrupted();
-  };
-}
+// Progress over all tables.
+class TablesProgress {
+ public:
+  explicit TablesProgress(const BenchmarkRequest& request) {
+    const CompletionBenchmarkOptions& shapes = request.shapes;
+    const CompletedGraspsOptions& grasps = request.grasps;
+    const RecognitionOptions& recognition = request.recognition;
+    const auto count = [](const auto& names) { return static_cast<int>(names.size()); };
+    if (request.Has(kShapesTables)) {
+      // The number of shapes is not known yet, but this is the first table.
+      tables_.push_back(
+          {kShapesTables, "shape", 0, 2 * shapes.views * count(shapes.methods) * kCompletion_s});
+    }
+    if (request.Has(kGraspTables)) {
+      tables_.push_back({kGraspTables, "trial",
+                         count(grasps.planners) * (grasps.single + grasps.bins), kTrial_s});
+    }
+    if (request.Has(kRecognitionTables)) {
+      tables_.push_back(
+          {kRecognitionTables, "bin", recognition.bins * count(recognition.scenarios), kBin_s});
+    }
+  }
 
+  // Runs the next table with a function that shows its progress and returns whether to go on.
+  template <typename Work>
+  auto Run(Work work) {
+    ProgressLine line;
+    Table& table = tables_.at(next_++);
+    ProgressState state;
+    state.what = table.what;
+    state.note = fmt::format("table {}, {} of {}", table.name, next_, tables_.size());
+    for (size_t i = next_; i < tables_.size(); ++i) {
+      state.later_s += Pace() * tables_[i].expected_s();
+    }
+    auto result = work([&](int done, int total) {
+      table.items = total;
+      state.done = done;
+      state.total = total;
+      line.Show(state);
+      return !Interrupted();
+    });
+    taken_s_ += line.elapsed_s();
+    expected_s_ += table.expected_s();
+    return result;
+  }
+
+ private:
+  struct Table {
+    const char *name, *what;
+    int items;
+    double item_s;
+    double expected_s() const { return items * item_s; }
+  };
+
+  // Ratio of the duration of the tables so far to the expected one.
+  double Pace() const { return expected_s_ > 0 ? taken_s_ / expected_s_ : 1; }
+
+  std::vector<Table> tables_;
+  size_t next_ = 0;
+  double taken_s_ = 0, expected_s_ = 0;
+};
+
+// Each table is written as soon as it is made. An interrupted table has what was done until then.
 int RunBenchmark(const BenchmarkRequest& request) {
   // A mistake in the options of a later table is reported before the first one, which takes
   // minutes.
@@ -57,44 +115,60 @@ int RunBenchmark(const BenchmarkRequest& request) {
   const std::filesystem::path folder = OutFolder(request.out, "completion");
   MakeFolder(folder);
   CatchInterrupts();
+  TablesProgress progress(request);
   HtmlPage page("Shape completion");
+  std::string unwritten;
+  const auto write_page = [&] {
+    if (Interrupted()) page.Note("The benchmark was stopped here.");
+    unwritten = WritePage(folder / kIndexPage, page);
+  };
   if (request.Has(kShapesTables)) {
-    CompletionBenchmark benchmark;
-    {
-      ProgressLine progress;
-      benchmark = RunCompletionBenchmark(request.shapes, Shown(progress, "shape"));
-    }
-    if (Interrupted()) return kExitInterrupted;
+    const CompletionBenchmark benchmark = progress.Run(
+        [&](auto on_progress) { return RunCompletionBenchmark(request.shapes, on_progress); });
     fmt::print("{}", CompletionTableText(benchmark));
     AddCompletionBenchmark(folder, benchmark, request.shapes, page);
-  }
-  if (request.Has(kRecognitionTables)) {
-    Recognition recognition;
-    {
-      ProgressLine progress;
-      recognition = RunRecognition(request.recognition, Shown(progress, "bin"));
-    }
-    // An interrupted comparison is valid for the bins so far.
-    fmt::print("{}", RecognitionText(recognition));
-    WriteFileAtomically(folder / kRecognitionFile, RecognitionCsv(recognition));
-    WriteFileAtomically(folder / kRecognitionBinsFile, RecognitionBinsCsv(recognition));
-    AddRecognition(recognition, page);
+    write_page();
   }
   if (request.Has(kGraspTables) && !Interrupted()) {
-    CompletedGrasps grasps;
-    {
-      ProgressLine progress;
-      grasps = RunCompletedGrasps(request.grasps, Shown(progress, "trial"));
-    }
-    // An interrupted comparison is valid for the trials so far.
+    const CompletedGrasps grasps = progress.Run(
+        [&](auto on_progress) { return RunCompletedGrasps(request.grasps, on_progress); });
     fmt::print("{}", CompletedGraspsText(grasps));
     WriteFileAtomically(folder / kCompletedGraspsFile, CompletedGraspsCsv(grasps));
     WriteFileAtomically(folder / kCompletedGraspsShapesFile, CompletedGraspsShapesCsv(grasps));
-    AddCompletedGrasps(grasps, page);
+    AddCompletedGrasps(folder, grasps, page);
+    write_page();
   }
-  const bool has_page = SayIfUnwritten(WritePage(folder / kIndexPage, page));
+  if (request.Has(kRecognitionTables) && !Interrupted()) {
+    RecognitionOptions options = request.recognition;
+    options.pictures = folder / kGalleryFolder;
+    const Recognition recognition =
+        progress.Run([&](auto on_progress) { return RunRecognition(options, on_progress); });
+    fmt::print("{}", RecognitionText(recognition));
+    WriteFileAtomically(folder / kRecognitionFile, RecognitionCsv(recognition));
+    WriteFileAtomically(folder / kRecognitionBinsFile, RecognitionBinsCsv(recognition));
+    AddRecognition(recognition, kGalleryFolder, page);
+    write_page();
+  }
+  const bool has_page = SayIfUnwritten(unwritten);
   fmt::print("wrote {}\n", (has_page ? folder / kIndexPage : folder).string());
   return Interrupted() ? kExitInterrupted : 0;
+}
+
+// Sets the numbers of the small variant, unless they are given.
+void MakeSmall(const CLI::App& app, BenchmarkRequest& request) {
+  const auto set = [&](const char* option, auto& value, auto small_value) {
+    if (app.count(option) == 0) value = std::move(small_value);
+  };
+  using Names = std::vector<std::string>;
+  set("--shapes", request.shapes.shapes, 1);
+  set("--views", request.shapes.views, 1);
+  set("--cells", request.shapes.cells, 32);
+  set("--planners", request.grasps.planners, Names{"completed", "cloud_antipodal"});
+  set("--single-drops", request.grasps.single, 2);
+  set("--grasp-bins", request.grasps.bins, 1);
+  set("--scenarios", request.recognition.scenarios, Names{"deep_rod"});
+  set("--bins", request.recognition.bins, 1);
+  set("--completions", request.recognition.completions, Names{"none", "network"});
 }
 
 }  // namespace
@@ -103,7 +177,10 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
   CLI::App app(
       "Completes views of test shapes with all methods: IoU, surface distances, calibration and "
       "time, for seen and unseen shapes, clean and occluded. Measures what completion is worth "
-      "for the recognition of known objects and for grasps of unknown ones.",
+      "for grasps of unknown objects and for the recognition of known ones. All tables are on one "
+      "page. With the defaults, one core takes about half an hour. Each table is written when it "
+      "is "
+      "made, and Ctrl-C keeps what is done.",
       "pickbed benchmark completion");
   BenchmarkRequest request;
   CompletionBenchmarkOptions& options = request.shapes;
@@ -112,10 +189,10 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
   bool small = false;
   app.add_option("--tables", request.tables,
                  "tables to make, separated by commas: shapes (accuracy of completed shapes), "
-                 "recognition (of known objects with and without completion), grasp (picks of "
-                 "unknown objects)")
+                 "grasp (picks of unknown objects), recognition (of known objects with and "
+                 "without completion)")
       ->delimiter(',')
-      ->check(CLI::IsMember({kShapesTables, kRecognitionTables, kGraspTables}))
+      ->check(CLI::IsMember({kShapesTables, kGraspTables, kRecognitionTables}))
       ->capture_default_str();
   app.add_option(
          "--methods", options.methods,
@@ -153,7 +230,10 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
   app.add_option("--cells", options.cells, "cells along each axis of the cube")
       ->check(CLI::Range(8, 256))
       ->capture_default_str();
-  app.add_flag("--small", small, "one shape and one view of each kind, 32 cells");
+  app.add_flag(
+      "--small", small,
+      "small variant: one shape and one view of each kind with 32 cells, two drops and one "
+      "bin of grasps, one bin of recognition; takes about two minutes of one core");
   app.add_option("--seed", options.seed, "random seed of the views")->capture_default_str();
   app.add_option("--scenarios", request.recognition.scenarios,
                  "bins of the recognition tables, separated by commas")
@@ -193,10 +273,8 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
   app.add_option("--out", request.out, "results folder [results/completion]");
   app.footer("Example: pickbed benchmark completion --small --methods local_thickness,skirt");
   if (!ParseArguments(app, argc, argv)) return 0;
-  if (small) {
-    options.shapes = options.views = 1;
-    options.cells = 32;
-  }
+  if (small) MakeSmall(app, request);
+  request.grasps.pictures = true;
   if (options.methods.empty()) options.methods = MethodsWith(options.models);
   if (options.sets.empty()) options.sets = TestSetNames();
   options.data_folder = data;

@@ -61,6 +61,36 @@ TEST(Recognition, FilesHaveOneLinePerChangeAndPerBand) {
   EXPECT_THAT(RecognitionText(planted), HasSubstr("+9.0 ["));
 }
 
+TEST(Recognition, ChangesInAnImageAreOfVisibleInstances) {
+  const auto instance = [](double visible_fraction, bool recalled) {
+    InstanceRecord record;
+    record.visible_fraction = visible_fraction;
+    record.recalled = recalled;
+    return record;
+  };
+  const RecalledChange change =
+      ChangeInImage({instance(0.9, true), instance(0.8, false), instance(0.5, false),
+                     instance(0.4, true), instance(0.05, false)},
+                    {instance(0.9, true), instance(0.8, true), instance(0.5, true),
+                     instance(0.4, false), instance(0.05, true)});
+  EXPECT_EQ(change.instances, 4);
+  EXPECT_EQ(change.recalled_before, 2);
+  EXPECT_EQ(change.recalled_after, 3);
+  EXPECT_EQ(change.gained, 2);
+  EXPECT_EQ(change.lost, 1);
+}
+
+TEST(Recognition, ThePageShowsOverlaysSideBySide) {
+  Recognition planted = Planted();
+  planted.gallery.push_back({"deep_rod", 3, {30, 12, 13, 2, 1}, "a/none.png", "a/network.png"});
+  HtmlPage page("Recognition");
+  AddRecognition(planted, "recognition", page);
+  EXPECT_THAT(page.body(), HasSubstr("deep_rod, bin 3: 2 gained, 1 lost"));
+  EXPECT_THAT(page.body(), HasSubstr("none: 12 of 30 instances"));
+  EXPECT_THAT(page.body(), HasSubstr("network: 13 of 30 instances"));
+  EXPECT_LT(page.body().find("recognition/a/none.png"), page.body().find("a/network.png"));
+}
+
 TEST(Recognition, RefusesOneCompletionUnknownScenariosAndMethods) {
   const auto error_of = [](const RecognitionOptions& options) {
     return ErrorOf([&] { RunRecognition(options, {}); });
