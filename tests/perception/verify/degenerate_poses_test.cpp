@@ -182,7 +182,7 @@ TEST(DegenerateDomain, AnImageWithoutReadingsIsInTheDomain) {
     EXPECT_EQ(domain.error_at_1m_m, 0);
     EXPECT_EQ(domain.tilt_rad, 0);
     EXPECT_TRUE(DomainWarnings(domain).empty());
-    EXPECT_EQ(LogitPenalty(domain, kMinDiameter_px, 0), 0);
+    EXPECT_EQ(LogitPenalty(domain, kMinRoomDiameter_px, 0), 0);
     // A steep plane without a reading on it says nothing about the camera.
     cloud.planes = {{Vector3f(1, 0, 0), -0.5f}};
     cloud.background = BackgroundKind::kFitted;
