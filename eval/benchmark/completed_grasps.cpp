@@ -78,6 +78,15 @@ std::pair<std::vector<Cluster>, std::vector<Cluster>> Paired(
   return pairs;
 }
 
+// Without an executed grasp of one planner, there is no difference.
+bool HasDifference(const CompletedGrasps& grasps, const std::string& condition,
+                   const std::string& planner) {
+  const auto executed = [&](const std::string& name) {
+    return GraspRateOf(grasps, condition, name, &ShapeGrasps::grasps).rate.samples;
+  };
+  return executed(planner) > 0 && executed(grasps.planners.front()) > 0;
+}
+
 // The p value of few bins says nothing.
 std::string PText(const PairedStatistic& statistic) {
   return statistic.difference_ci95.is_known() ? fmt::format("{:.3f}", statistic.p_value) : "-";
@@ -90,8 +99,9 @@ struct PlannerRun {
 };
 
 TableCells GraspTable(const CompletedGrasps& grasps) {
-  TableCells table{{"condition", "planner", "instances picked", "difference, points",
-                    "grasps that succeed", "difference, points", "p", "shapes"}};
+  TableCells table{{"condition", "planner", "instances picked", "difference in picked, points",
+                    "grasps that succeed", "difference in success, points", "p of success",
+                    "shapes"}};
   for (const char* condition : kGraspConditions) {
     for (const std::string& planner : grasps.planners) {
       const auto& shapes = grasps.shapes.at(condition).at(planner);
@@ -100,13 +110,14 @@ TableCells GraspTable(const CompletedGrasps& grasps) {
           GraspRateOf(grasps, condition, grasps.planners.front(), &ShapeGrasps::picked);
       const PairedStatistic success = SuccessDifference(grasps, condition, planner);
       const bool is_reference = planner == grasps.planners.front();
+      const bool is_success_known = !is_reference && HasDifference(grasps, condition, planner);
       table.push_back(
           {condition, planner, RateText(picked.rate),
            is_reference ? "-"
                         : PointsText(picked.rate.rate() - reference.rate.rate(), picked.difference),
            RateText(GraspRateOf(grasps, condition, planner, &ShapeGrasps::grasps).rate),
-           is_reference ? "-" : DifferenceText(success), is_reference ? "-" : PText(success),
-           std::to_string(shapes.size())});
+           is_success_known ? DifferenceText(success) : "-",
+           is_success_known ? PText(success) : "-", std::to_string(shapes.size())});
     }
   }
   return table;
@@ -215,22 +226,24 @@ std::string CompletedGraspsText(const CompletedGrasps& grasps) {
 }
 
 ResultColumns CompletedGraspsColumns() {
-  return {{"condition", "single: one shape in the bin, one attempt; bins: several shapes"},
-          {"planner", "planner, or truth: completed with the true shapes"},
-          {"shapes", "number of shapes"},
-          {"dropped", "number of dropped instances"},
-          {"picked", "number of these that were picked"},
-          {"picked_low", "lower end of the 95 % interval of the rate, over shapes", "0..1"},
-          {"picked_high", "upper end of the 95 % interval of the rate, over shapes", "0..1"},
-          {"difference", "difference of the rate to the first planner", "-1..1"},
-          {"difference_low", "lower end of its 95 % interval, paired by shape", "-1..1"},
-          {"difference_high", "upper end of its 95 % interval, paired by shape", "-1..1"},
-          {"executed", "number of executed grasps"},
-          {"succeeded", "number of these that succeeded"},
-          {"success_difference", "difference of their share to the first planner", "-1..1"},
-          {"success_difference_low", "lower end of its 95 % interval, paired by bin", "-1..1"},
-          {"success_difference_high", "upper end of its 95 % interval, paired by bin", "-1..1"},
-          {"success_p", "p value of the test of `pickbed compare`, paired by bin", "0..1"}};
+  return {
+      {"condition", "single: one shape in the bin, one attempt; bins: several shapes"},
+      {"planner", "planner, or truth: completed with the true shapes"},
+      {"shapes", "number of shapes"},
+      {"dropped", "number of dropped instances"},
+      {"picked", "number of these that were picked"},
+      {"picked_low", "lower end of the 95 % interval of the rate, over shapes", "0..1"},
+      {"picked_high", "upper end of the 95 % interval of the rate, over shapes", "0..1"},
+      {"difference", "difference of the rate to the first planner", "-1..1"},
+      {"difference_low", "lower end of its 95 % interval, paired by shape", "-1..1"},
+      {"difference_high", "upper end of its 95 % interval, paired by shape", "-1..1"},
+      {"executed", "number of executed grasps"},
+      {"succeeded", "number of these that succeeded"},
+      {"success_difference",
+       "difference of their share to the first planner; empty without executed grasps", "-1..1"},
+      {"success_difference_low", "lower end of its 95 % interval, paired by bin", "-1..1"},
+      {"success_difference_high", "upper end of its 95 % interval, paired by bin", "-1..1"},
+      {"success_p", "p value of the test of `pickbed compare`, paired by bin", "0..1"}};
 }
 
 std::string CompletedGraspsCsv(const CompletedGrasps& grasps) {
@@ -243,12 +256,16 @@ std::string CompletedGraspsCsv(const CompletedGrasps& grasps) {
       const ReportRate executed =
           GraspRateOf(grasps, condition, planner, &ShapeGrasps::grasps).rate;
       const PairedStatistic success = SuccessDifference(grasps, condition, planner);
-      csv += fmt::format("{},{},{},{},{},{},{:.4f},{},{},{},{:.4f},{},{:.4f}\n", condition, planner,
+      const std::string success_cells =
+          HasDifference(grasps, condition, planner)
+              ? fmt::format("{:.4f},{},{:.4f}", success.difference(),
+                            IntervalCells(success.difference_ci95, 4), success.p_value)
+              : ",,,";
+      csv += fmt::format("{},{},{},{},{},{},{:.4f},{},{},{},{}\n", condition, planner,
                          grasps.shapes.at(condition).at(planner).size(), picked.rate.samples,
                          picked.rate.hits, IntervalCells(picked.rate.ci95, 4),
                          picked.rate.rate() - reference.rate(), IntervalCells(picked.difference, 4),
-                         executed.samples, executed.hits, success.difference(),
-                         IntervalCells(success.difference_ci95, 4), success.p_value);
+                         executed.samples, executed.hits, success_cells);
     }
   }
   return csv;

@@ -48,7 +48,7 @@ struct CompletedGrasps {
   // Grasps (succeeded, executed) of each bin by condition and planner. All planners of a condition
   // have the same bins in the same order.
   std::map<std::string, std::map<std::string, std::vector<Cluster>>> bins;
-  // Pictures of the first picks by condition and planner.
+  // Pictures of the first picks by condition and planner, also of an unfinished bin.
   std::map<std::string, std::map<std::string, std::vector<GraspTile>>> gallery;
 };
 inline constexpr const char* kGraspConditions[] = {"single", "bins"};

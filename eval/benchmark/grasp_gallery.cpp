@@ -9,7 +9,7 @@
 #include "eval/draw/canvas.h"
 #include "eval/segments/segmentation.h"
 #include "eval/sweep/attempt_pictures.h"
-#include "grasp/completed/completed_planner.h"
+#include "grasp/completed/occupancy_shape.h"
 #include "perception/segments/object_segments.h"
 
 namespace pickbed::eval {
@@ -56,22 +56,18 @@ const grasp::OccupancyShape* GraspedShape(const std::vector<grasp::OccupancyShap
   const grasp::OccupancyShape* nearest = nullptr;
   double nearest_m = kInfinity;
   for (const grasp::OccupancyShape& shape : shapes) {
-    Eigen::Vector3d sum_V = Eigen::Vector3d::Zero();
-    double weight = 0;
+    const Eigen::Vector3d grasp_V = shape.X_WV.inverse() * grasp.X_WG.translation();
     for (int z = 0; z < shape.size; ++z) {
       for (int y = 0; y < shape.size; ++y) {
         for (int x = 0; x < shape.size; ++x) {
-          const double p = shape.At(x, y, z);
-          sum_V += p * shape.Center_V(x, y, z);
-          weight += p;
+          if (shape.At(x, y, z) < grasp::kSurfaceLevel) continue;
+          const double distance_m = (shape.Center_V(x, y, z) - grasp_V).norm();
+          if (distance_m >= nearest_m) continue;
+          nearest_m = distance_m;
+          nearest = &shape;
         }
       }
     }
-    if (weight <= 0) continue;
-    const double distance_m = (shape.X_WV * (sum_V / weight) - grasp.X_WG.translation()).norm();
-    if (distance_m >= nearest_m) continue;
-    nearest_m = distance_m;
-    nearest = &shape;
   }
   return nearest;
 }
@@ -110,7 +106,7 @@ Image<Rgb8> GraspPictures::Draw(const AttemptState& attempt) const {
       shapes_.Of(cell, before_, cell.TrueObjects(attempt.bin_index), view);
   if (const grasp::OccupancyShape* shape = GraspedShape(shapes, grasp)) {
     const CompletedVolume volume = InCamera(*shape, cell.camera().X_CW());
-    const auto level = static_cast<float>(grasp::CompletedPlannerOptions().surface_level);
+    constexpr auto level = static_cast<float>(grasp::kSurfaceLevel);
     for (const bool from_side : {false, true}) {
       canvas.Paste(DrawVolume(volume, level, from_side, kTile_px),
                    (from_side ? 2 : 1) * (kTile_px + kGap_px), 0);

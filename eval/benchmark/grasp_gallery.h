@@ -2,8 +2,8 @@
 
 // Pictures of picks of unknown objects: what the planner saw and completed, and its grasp.
 
-#include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "eval/report/completed_shapes.h"
@@ -18,14 +18,14 @@ struct GraspTile {
   Image<Rgb8> picture;
 };
 
-// Returns the completed shape that a grasp is for: the one whose probable matter has its mean
-// nearest to the grasp. Null without shapes.
+// Returns the shape with the cell over kSurfaceLevel that is nearest to a grasp. Null without such
+// a cell.
 const grasp::OccupancyShape* GraspedShape(const std::vector<grasp::OccupancyShape>& shapes,
                                           const Grasp& grasp);
 
 // Draws the first picks of a planner: one that succeeded and some that failed. From left to right
-// these are the segments of the image, the completed shape of the grasped segment from the camera
-// and from its side, and the hand at the grasp. A planner that completes no shapes has only the
+// these are the segments of the image, the completed shape at the grasp from the camera and from
+// its side, and the hand at the grasp. A planner that completes no shapes has only the
 // last picture.
 class GraspPictures : public TrialObserver {
  public:

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <set>
 
 #include "eval/estimate/statistics.h"
@@ -206,6 +207,7 @@ std::vector<ComparedRow> ComparedRound(const RecognitionOptions& options, const 
 
 RecalledChange ChangeInImage(const std::vector<InstanceRecord>& before,
                              const std::vector<InstanceRecord>& after) {
+  assert(before.size() == after.size());
   RecalledChange change;
   for (size_t i = 0; i < before.size(); ++i) {
     if (before[i].visible_fraction < kCountedVisibility) continue;

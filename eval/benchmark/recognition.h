@@ -38,7 +38,7 @@ struct RecognitionBin {
   double seconds = 0;          // of the estimate
 };
 
-// Instances whose visible fraction counts that one completion recalls and another one does not.
+// Recalled instances of one image with two completions. Only instances at least 10 % visible count.
 struct RecalledChange {
   int instances = 0;
   int recalled_before = 0, recalled_after = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "eval/stats/statistics.h"
 #include "scenes/objects/object_model.h"
 
 namespace pickbed::eval {
@@ -28,7 +29,7 @@ std::string RoomPosesLines(const ObjectSet& objects, const LabelledView& view,
     const double distance_m = std::max(kNearest_m, pose.estimate.X_CO.translation().z());
     lines += fmt::format(
         "{},{},{},{},{},{:.4f},{:.1f},{}\n", estimate.image.trial, estimate.rooms,
-        estimate.background, int{estimate.fits_background}, object.name, pose.record.score,
+        estimate.background, int{estimate.fits_background}, CsvCell(object.name), pose.record.score,
         view.frame.intrinsics.fx() * object.diameter_m / distance_m, int{pose.recalled >= 0});
   }
   return lines;

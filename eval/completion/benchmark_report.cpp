@@ -86,15 +86,23 @@ Calibration CalibrationOf(const CompletionBenchmark& benchmark, const std::strin
 // shapes.
 ReportRate InsideRate(const CompletionBenchmark& benchmark, const std::string& method,
                       const std::string& set, int bin) {
-  std::map<std::string, Cluster> by_shape;
+  // Large benchmarks have more cells than an int can count. A common factor does not change shares.
+  constexpr double kMaxCounted = 1e9;
+  std::map<std::string, std::pair<double, double>> by_shape;  // cells inside, all cells
+  double all = 0;
   for (const CompletionRow& row : benchmark.rows) {
     if (row.method != method || row.set != set) continue;
-    Cluster& cells = by_shape[row.shape];
-    cells.hits += static_cast<int>(row.measures.calibration[bin][2]);
-    cells.samples += static_cast<int>(row.measures.calibration[bin][0]);
+    auto& [inside, cells] = by_shape[row.shape];
+    inside += row.measures.calibration[bin][2];
+    cells += row.measures.calibration[bin][0];
+    all += row.measures.calibration[bin][0];
   }
+  const double scale = std::max(1.0, all / kMaxCounted);
   std::vector<Cluster> clusters;
-  for (const auto& [shape, cells] : by_shape) clusters.push_back(cells);
+  for (const auto& [shape, counts] : by_shape) {
+    clusters.push_back(
+        {static_cast<int>(counts.first / scale), static_cast<int>(counts.second / scale)});
+  }
   return ClusterRate(clusters);
 }
 
@@ -133,7 +141,8 @@ std::string TableCsv(const CompletionBenchmark& benchmark) {
         csv += fmt::format("{},{},{},{}", method, set, ConditionName(is_occluded), shapes);
         for (const MeasureColumn& measure : kMeasures) {
           const ShapeMean mean = MeanOverShapes(benchmark, method, set, is_occluded, measure.value);
-          csv += fmt::format(",{:.4f},{}", mean.mean, IntervalCells(mean.ci95, 4));
+          const std::string value = shapes > 0 ? fmt::format("{:.4f}", mean.mean) : "";
+          csv += fmt::format(",{},{}", value, IntervalCells(mean.ci95, 4));
         }
         csv += "\n";
       }
@@ -199,7 +208,8 @@ std::string TimingsCsv(const CompletionBenchmark& benchmark) {
   std::string csv = HeaderLine(CompletionTimingsColumns());
   for (const std::string& method : benchmark.methods) {
     const MedianDuration seconds = SecondsOf(benchmark, method);
-    csv += fmt::format("{},{:.4f},{}\n", method, seconds.median_s, IntervalCells(seconds.ci95, 4));
+    const std::string median = seconds.median_s > 0 ? fmt::format("{:.4f}", seconds.median_s) : "";
+    csv += fmt::format("{},{},{}\n", method, median, IntervalCells(seconds.ci95, 4));
   }
   return csv;
 }

@@ -50,7 +50,7 @@ class SegmentShapes : public grasp::ShapeSource {
   const TrueShapes* truth_ = nullptr;
   perception::ObjectSegments segments_;  // of the last image
   std::vector<double> covered_;          // share of the contour of each of these segments
-  int without_shape_ = 0;                // number of these that got no shape
+  int without_shape_ = 0;                // number of tried ones that got no shape
 };
 
 // Gives the ground truth of an image to the shapes, if there are any, until it is destroyed.

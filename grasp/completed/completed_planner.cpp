@@ -1,5 +1,7 @@
 #include "grasp/completed/completed_planner.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -204,6 +206,9 @@ CompletedPlanner::CompletedPlanner(const PlannerSetup& setup,
                                    const CompletedPlannerOptions& options)
     : setup_(setup), options_(options) {
   CheckSettings("CompletedPlannerOptions", options_);
+  CheckInput(options_.possible_level <= options_.relaxed_level,
+             fmt::format("possible_level ({:g}) is above relaxed_level ({:g}); lower it",
+                         options_.possible_level, options_.relaxed_level));
   CheckInput(setup.shapes != nullptr,
              "planner completed needs shapes of objects, which this program does not give; choose "
              "planner cloud_antipodal");
@@ -335,7 +340,7 @@ void CompletedPlanner::KeepOutOfPossibleMatter(std::span<const OccupancyShape> s
       return passed;
     };
     std::vector<Grasp> of_plan = passing(plan), of_observed = passing(observed);
-    if (of_plan.empty() && of_observed.empty() && level == options_.possible_level) continue;
+    if (of_plan.empty() && of_observed.empty() && level < options_.relaxed_level) continue;
     const size_t before = plan.grasps.size() + observed.grasps.size();
     plan.grasps = std::move(of_plan);
     observed.grasps = std::move(of_observed);

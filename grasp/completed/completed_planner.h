@@ -58,8 +58,8 @@ class CompletedPlanner : public Planner {
   explicit CompletedPlanner(const PlannerSetup& setup, const CompletedPlannerOptions& options = {});
 
   // Without a known bin, the lowest observed point is taken as the height of a table. Causes of
-  // rejection: as PlanWithTools(), as CloudAntipodal, "possible matter", "segment without
-  // shape" and "score too low".
+  // rejection: as PlanWithTools(), as CloudAntipodal, "possible matter", "score too low", and
+  // "segment without shape", which counts segments.
   // Without objects, jaws and cups grasp the observed surface if `grasps_observed`.
   PlanResult Plan(const PlannerInput& input) override;
 

@@ -23,7 +23,7 @@ struct SegmentMeasures {
 struct ImageSegments {
   Image<uint16_t> labels;                 // 0 = no segment; else index of the segment + 1
   std::vector<SegmentMeasures> segments;  // empty = unknown
-  int without_shape = 0;                  // number of segments that got no shape
+  int without_shape = 0;  // tried segments that got no shape, for example with few readings
 };
 
 // Returns the segment with the most readings between the fingers, or at the center of a hand

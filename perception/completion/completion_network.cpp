@@ -140,7 +140,7 @@ struct CompletionNetwork::Impl {
   // Gives all replicas the weights and statistics of the network.
   void SpreadWeights(int replicas);
   // Gives the network the sum of the gradients of all replicas, and the mean of their statistics.
-  // - shares: of the views of each replica in the batch; their sum is 1
+  // - shares: share of the views of the batch that each replica has; their sum is 1
   void CollectGradients(std::span<const double> shares);
   // Computes the gradient of the mean loss of some views, times `share`. Returns the loss.
   double Backward(const CompletionBatch& batch, ViewRange range, double share,

@@ -14,10 +14,12 @@ namespace pickbed::perception {
 // Ranges of the images of the training (guides/training.md).
 inline constexpr double kMaxHoleShare = 0.45;  // share of the pixels between readings of a row
 inline constexpr double kMinDiameter_px = 20;  // diameter of an object in the image
-// The same where the background is not given. In simulated rooms, nearly all poses with a smaller
-// diameter are wrong (docs/pages/benchmarks_rooms.md): they are on details of the surroundings.
+inline constexpr double kMaxTilt_rad = 1.25;   // of the optical axis from the floor normal
+
+// Smallest diameter of an object in the image where the background is not given. In simulated
+// rooms, nearly all poses with a smaller one are wrong (docs/pages/benchmarks_rooms.md): they are
+// on details of the surroundings.
 inline constexpr double kMinRoomDiameter_px = 45;
-inline constexpr double kMaxTilt_rad = 1.25;  // of the optical axis from the floor normal
 
 // Share of the near side of an object outside the image. The verifier counts no evidence there. The
 // value is chosen, not measured.
@@ -27,7 +29,7 @@ struct ImageDomain {
   double hole_share = 0;
   double error_at_1m_m = 0;  // standard deviation; at most kMaxTrainedError_m in the training
   double tilt_rad = 0;       // 0 = no floor is known, or only a short steep plane
-  double min_diameter_px = kMinDiameter_px;  // of an object
+  double min_diameter_px = kMinDiameter_px;  // of an object without a penalty
 };
 
 // Measures the image of a cloud.

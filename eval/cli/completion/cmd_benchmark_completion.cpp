@@ -232,8 +232,9 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag(
       "--small", small,
-      "small variant: one shape and one view of each kind with 32 cells, two drops and one "
-      "bin of grasps, one bin of recognition; takes about three minutes of one core");
+      "small variant: one shape and one view of each kind with 32 cells, two drops and one bin of "
+      "grasps, one bin of recognition, with fewer planners, scenarios and completions; takes about "
+      "three minutes of one core");
   app.add_option("--seed", options.seed, "random seed of the views")->capture_default_str();
   app.add_option("--scenarios", request.recognition.scenarios,
                  "bins of the recognition tables, separated by commas")

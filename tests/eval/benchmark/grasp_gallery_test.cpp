@@ -29,6 +29,16 @@ TEST(GraspGallery, AGraspIsForTheShapeWithTheNearestMatter) {
   EXPECT_EQ(GraspedShape(shapes, grasp), &shapes[1]);
 }
 
+// The middle of the rod is far from its end, at which the grasp is.
+TEST(GraspGallery, AGraspAtTheEndOfARodIsForTheRod) {
+  grasp::OccupancyShape rod = ShapeAt(0);
+  for (int x = 0; x < rod.size; ++x) rod.occupancy[x] = 1;
+  const std::vector<grasp::OccupancyShape> shapes{ShapeAt(-0.02), rod};
+  Grasp grasp;
+  grasp.X_WG.translation() = Eigen::Vector3d::Constant(0.005);
+  EXPECT_EQ(GraspedShape(shapes, grasp), &shapes[1]);
+}
+
 // Number of pixels in a column of tiles that are not white.
 int DrawnPixels(const Image<Rgb8>& picture, int tile) {
   const int height = picture.height();  // tiles are squares with gaps

@@ -156,13 +156,15 @@ TEST(CloudAntipodal, PadsDoNotReachBeyondTheEndOfABar) {
   const Pose pose = OnFloor(0, 0, 0.03, 0.3);
   scene.AddBox({0.008, kLength_m, 0.03}, pose);
   const PlanResult result = CloudPlan().Of(scene.Input(1000));
-  ASSERT_GT(result.grasps.size(), 5u);
+  int checked = 0;
   for (const Grasp& grasp : result.grasps) {
     const Vector3d along = pose.linear().col(1);
     if (AxisAngle(grasp.X_WG.linear().col(1), along) > 0.3) continue;
     const double center_m = std::abs(along.dot(grasp.X_WG.translation() - pose.translation()));
     EXPECT_LT(center_m, 0.5 * kLength_m + 0.5 * kPad_m - 0.3 * kPad_m + kCells_m);
+    ++checked;
   }
+  EXPECT_GT(checked, 5);
 }
 
 // Fingers are 10 mm thick and do not fit into gaps of 6 mm, so only the free ends remain.

@@ -200,6 +200,15 @@ TEST(CompletedPlanner, TheHandKeepsOutOfPossibleMatterAtTheObservedSurface) {
     });
   };
   EXPECT_EQ(touching(options), 0);
+  // Matter all around leaves no grasp, also if both levels are equal.
+  const OccupancyShape around = ShapeOfBody(0.2, 48, pose, [](const Vector3d&) { return 0.4; });
+  GivenShapes everywhere({around});
+  PlannerSetup blocked = setup;
+  blocked.shapes = &everywhere;
+  options.relaxed_level = options.possible_level;
+  EXPECT_TRUE(CompletedPlanner(blocked, options).Plan(scene.Input(1000)).grasps.empty());
+  options.relaxed_level = 0.2;
+  EXPECT_THAT(ErrorOf([&] { CompletedPlanner(setup, options); }), HasSubstr("relaxed_level"));
   options.possible_level = options.relaxed_level = 0.6;
   EXPECT_GT(touching(options), 0) << "to show that grasps without the test enter the cells";
 }
