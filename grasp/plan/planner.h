@@ -20,10 +20,14 @@
 
 namespace pickbed::grasp {
 
-// The bin, if it is known, and its pose in the world.
+// A bin and its pose in the world. The bin must outlive it, so a temporary one is refused.
 struct BinPlacement {
+  explicit BinPlacement(const Bin& the_bin, const Pose& the_X_WB = Pose::Identity())
+      : bin(the_bin), X_WB(the_X_WB) {}
+  explicit BinPlacement(Bin&&, const Pose& = Pose::Identity()) = delete;
+
   const Bin& bin;
-  Pose X_WB = Pose::Identity();
+  Pose X_WB;
 };
 
 // What a planner gets for one image. References must outlive the call. It never contains ground

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "grasp/cloud/cloud_antipodal.h"
 #include "grasp/cloud/cloud_suction.h"
@@ -25,9 +26,13 @@ using Eigen::Vector3d;
 // A camera 0.8 m above the center of the bin.
 const Pose kOverBin = FromAbove({0, 0, 0.8});
 
+static_assert(std::is_constructible_v<BinPlacement, const Bin&, Pose>);
+static_assert(!std::is_constructible_v<BinPlacement, Bin, Pose>, "the temporary bin would be gone");
+
 PlannerInput InputOf(const RgbdFrame& frame, bool has_bin) {
   PlannerInput input{frame, kOverBin, std::nullopt, {}, {}, 5, 0};
-  if (has_bin) input.bin.emplace(BinPlacement{Bin(), Pose::Identity()});
+  static const Bin kBin;
+  if (has_bin) input.bin.emplace(BinPlacement{kBin, Pose::Identity()});
   return input;
 }
 
