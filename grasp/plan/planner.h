@@ -22,9 +22,9 @@ namespace pickbed::grasp {
 
 // A bin and its pose in the world. The bin must outlive it, so a temporary one is refused.
 struct BinPlacement {
-  explicit BinPlacement(const Bin& the_bin, const Pose& the_X_WB = Pose::Identity())
+  BinPlacement(const Bin& the_bin, const Pose& the_X_WB = Pose::Identity())
       : bin(the_bin), X_WB(the_X_WB) {}
-  explicit BinPlacement(Bin&&, const Pose& = Pose::Identity()) = delete;
+  BinPlacement(Bin&&, const Pose& = Pose::Identity()) = delete;
 
   const Bin& bin;
   Pose X_WB;
