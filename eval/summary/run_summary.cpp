@@ -383,10 +383,11 @@ std::string SummaryJson(const RunSummary& s) {
   if (s.drop_times.drops > 0) {
     json["drop_time"] = {{"drops", s.drop_times.drops}, {"median_s", s.drop_times.median_s}};
   }
-  auto& picks_per_hour = json["picks_per_hour"];
-  auto& cycle = json["cycle"];  // null if nothing was picked, like picks_per_hour
+  // Both are null if nothing was picked. A new member can move the ones before it.
+  json["picks_per_hour"] = nullptr;
+  if (s.cycle.stated_pick_s() > 0) json["picks_per_hour"] = s.cycle.stated_picks_per_hour();
+  auto& cycle = json["cycle"];
   if (s.cycle.stated_pick_s() > 0) {
-    picks_per_hour = s.cycle.stated_picks_per_hour();
     cycle = {{"sense_s", s.cycle.sense_s},
              {"compute_s", nullptr},
              {"move_s", s.cycle.move_s},

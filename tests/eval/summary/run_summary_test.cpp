@@ -353,6 +353,23 @@ TEST(Summarize, EmptyRunHasOnlyFiniteNumbers) {
   EXPECT_TRUE(json["recall"]["rate"].is_null());
 }
 
+// Each optional member changes when the list of members moves to more memory.
+TEST(SummaryJson, ThePickTimeDoesNotDependOnTheOtherMembers) {
+  RunSummary summary = Summarize(TwoTrials());
+  summary.cycle = {};
+  summary.cycle.sense_s = 5;
+  summary.cycle.move_s = 10;
+  for (int parts = 0; parts < 16; ++parts) {
+    summary.retention.picks = parts & 1;
+    summary.drop_times.drops = (parts & 2) / 2;
+    summary.bands.resize((parts & 4) / 4);
+    summary.clutter.bins = (parts & 8) / 8;
+    const auto json = nlohmann::json::parse(SummaryJson(summary));
+    EXPECT_EQ(json["picks_per_hour"], 240) << parts;
+    EXPECT_EQ(json["cycle"]["move_s"], 10) << parts;
+  }
+}
+
 TEST(SummaryJson, HasTheKeysThatScriptsRead) {
   const auto json = nlohmann::json::parse(SummaryJson(Summarize(TwoTrials())));
   for (const char* key : {"trials", "executed_grasps", "successes", "success_rate", "success_ci95",
