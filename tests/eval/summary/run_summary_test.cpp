@@ -359,14 +359,14 @@ TEST(SummaryJson, ThePickTimeDoesNotDependOnTheOtherMembers) {
   summary.cycle = {};
   summary.cycle.sense_s = 5;
   summary.cycle.move_s = 10;
-  for (int parts = 0; parts < 16; ++parts) {
-    summary.retention.picks = parts & 1;
-    summary.drop_times.drops = (parts & 2) / 2;
-    summary.bands.resize((parts & 4) / 4);
-    summary.clutter.bins = (parts & 8) / 8;
+  for (int members = 0; members < 16; ++members) {
+    summary.retention.picks = members & 1;
+    summary.drop_times.drops = (members & 2) / 2;
+    summary.bands.resize((members & 4) / 4);
+    summary.clutter.bins = (members & 8) / 8;
     const auto json = nlohmann::json::parse(SummaryJson(summary));
-    EXPECT_EQ(json["picks_per_hour"], 240) << parts;
-    EXPECT_EQ(json["cycle"]["move_s"], 10) << parts;
+    EXPECT_EQ(json["picks_per_hour"], 240) << members;
+    EXPECT_EQ(json["cycle"]["move_s"], 10) << members;
   }
 }
 
