@@ -112,9 +112,9 @@ TEST(WriteRoomWithWrongPoses, OnlyWrongReportedPosesGiveAPicture) {
   EXPECT_EQ(StemsIn(folder.path() / "all", ".png"), std::vector<std::string>{"007"});
 }
 
-// A sphere of 60 mm at 0.5 m has the diameter f * 0.12 in the image.
+// A box with a diagonal of 130 mm at 0.5 m has the diameter f * 0.26 in the image.
 TEST(RoomPosesLines, GiveTheDiameterInTheImageAndWhetherAPoseIsRight) {
-  RayCastViews views({ObjectOf(SphereMesh(0.03, 2))});
+  RayCastViews views({ObjectOf(BoxMesh({0.03, 0.04, 0.12}, {0, 0, 0}))});
   const LabelledView view = views.ClutterScene({1, 1}).front();
   RoomEstimate estimate{"table", kUnknownBackground, false};
   estimate.image.trial = 7;
@@ -124,8 +124,7 @@ TEST(RoomPosesLines, GiveTheDiameterInTheImageAndWhetherAPoseIsRight) {
     pose.record.score = 0.75;
     pose.recalled = recalled;
   }
-  const double diameter_px = view.frame.intrinsics.fx() * views.objects()[0]->diameter_m / 0.5;
-  EXPECT_NEAR(views.objects()[0]->diameter_m, 0.06, 0.001);
+  const double diameter_px = view.frame.intrinsics.fx() * 0.26;
   const std::string start =
       fmt::format("7,table,unknown,0,{},0.7500,{:.1f},", views.objects()[0]->name, diameter_px);
   EXPECT_EQ(RoomPosesLines(views.objects(), view, estimate), start + "1\n" + start + "0\n");
