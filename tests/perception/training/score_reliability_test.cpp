@@ -65,9 +65,9 @@ class PosesByShare : public CandidateSource {
   std::vector<LabelledInstance> instances_;
 };
 
-// Three objects on a floor.
+// Three objects on a floor, each 46 px wide or more, so that no score is lowered (image_domain.h).
 LabelledView ViewOfThree(const ObjectModel& object) {
-  const CameraIntrinsics camera{160, 120, 170, 170, 79.5, 59.5};
+  const CameraIntrinsics camera{320, 240, 360, 360, 159.5, 119.5};
   SyntheticDepth scene(camera);
   LabelledView view;
   scene.AddPlane(-Eigen::Vector3d::UnitZ(), {0, 0, 0.6});
