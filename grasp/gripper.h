@@ -79,6 +79,10 @@ class Gripper {
   // nullopt if the object is too wide.
   virtual std::optional<double> ApproachOpening_m(double width_m) const = 0;
   virtual double MaxOpening_m() const = 0;
+  // Returns the opening on the approach; the maximum for an object that is too wide.
+  double OpeningOrMax_m(double width_m) const {
+    return ApproachOpening_m(width_m).value_or(MaxOpening_m());
+  }
   // Returns the time from an opening until the hand is closed on nothing. Opening takes as long.
   virtual double TravelTime_s(double opening_m) const = 0;
 

@@ -240,8 +240,7 @@ std::string IsaacGraspText(const std::string& object_file, const Gripper& grippe
       if (!has_fingers) return std::string("{}");
       return fmt::format("{{left_finger: {0}, right_finger: {0}}}", 0.5 * width_m);
     };
-    const double open_m =
-        gripper.ApproachOpening_m(candidate.width_m).value_or(gripper.MaxOpening_m());
+    const double open_m = gripper.OpeningOrMax_m(candidate.width_m);
     text += fmt::format(
         "  grasp_{}:\n    confidence: {}\n    position: [{}, {}, {}]\n"
         "    orientation: {{w: {}, xyz: [{}, {}, {}]}}\n    cspace_position: {}\n"

@@ -18,14 +18,6 @@
 
 namespace pickbed::grasp {
 
-// One object with its model and its candidates. Frame O has the axes of B and its origin at the
-// center of the surface.
-struct CompletedPlanner::Completed {
-  std::shared_ptr<const ObjectModel> model;
-  EstimatedPose pose;                                   // X_BO
-  std::vector<std::vector<GraspCandidate>> candidates;  // by tool
-};
-
 namespace {
 
 using Eigen::Vector3d;
@@ -40,51 +32,6 @@ double PadFriction(const std::vector<std::shared_ptr<const Gripper>>& tools) {
 }
 
 bool IsSuction(const Gripper& tool) { return dynamic_cast<const SuctionCup*>(&tool) != nullptr; }
-
-// Largest closed piece of a mesh. Small pieces are noise of the occupancy, and an object has one.
-TriangleMesh LargestPiece(const TriangleMesh& mesh) {
-  const int count = static_cast<int>(mesh.vertices.size());
-  std::vector<int> parent(count);
-  for (int i = 0; i < count; ++i) parent[i] = i;
-  const auto root_of = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (const Eigen::Vector3i& t : mesh.triangles) {
-    for (const int k : {1, 2}) parent[root_of(t[k])] = root_of(t[0]);
-  }
-  std::vector<int> triangles(count, 0);
-  for (const Eigen::Vector3i& t : mesh.triangles) ++triangles[root_of(t[0])];
-  const auto largest = std::max_element(triangles.begin(), triangles.end()) - triangles.begin();
-  TriangleMesh piece;
-  std::vector<int> number(count, -1);
-  for (int i = 0; i < count; ++i) {
-    if (root_of(i) != largest) continue;
-    number[i] = static_cast<int>(piece.vertices.size());
-    piece.vertices.push_back(mesh.vertices[i]);
-  }
-  for (const Eigen::Vector3i& t : mesh.triangles) {
-    if (number[t[0]] >= 0) piece.triangles.emplace_back(number[t[0]], number[t[1]], number[t[2]]);
-  }
-  return piece;
-}
-
-// Returns the model of an object, or null if its surface encloses no volume.
-std::shared_ptr<const ObjectModel> ModelOf(const TriangleMesh& mesh_O, double density_kgpm3,
-                                           double friction) {
-  auto model = std::make_shared<ObjectModel>();
-  model->name = "completed";
-  model->mesh_O = mesh_O;
-  try {
-    model->mass = UniformDensityProperties(mesh_O, density_kgpm3);
-  } catch (const InputError&) {
-    return nullptr;
-  }
-  model->friction = friction;
-  model->resting_O = {{Vector3d::UnitZ(), 1}};
-  model->diameter_m = MeshBounds(mesh_O).size().norm();
-  return model;
-}
 
 // Returns the grasp candidates of an object whose frame O has the axes of the bin. Only approaches
 // from above are kept for a jaw, since each contact test takes time: up to `max_tilt_rad`, and up
@@ -134,20 +81,13 @@ std::optional<double> LowestPoint_m(const PlannerInput& input) {
   return lowest_m;
 }
 
-// Sorts the grasps and leaves out weak ones and the ones over a number.
-void KeepBest(double min_score, int max_grasps, PlanResult& plan) {
-  std::stable_sort(plan.grasps.begin(), plan.grasps.end(),
-                   [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
-  const auto leave_out = [&](std::vector<Grasp>::iterator first, const char* cause) {
-    if (first == plan.grasps.end()) return;
-    plan.rejected[cause] += static_cast<int>(plan.grasps.end() - first);
-    plan.grasps.erase(first, plan.grasps.end());
-  };
-  leave_out(std::ranges::find_if(plan.grasps,
-                                 [&](const Grasp& grasp) { return grasp.score < min_score; }),
-            "score too low");
-  const int left = std::min(max_grasps, static_cast<int>(plan.grasps.size()));
-  leave_out(plan.grasps.begin() + left, "outranked");
+bool IsBetter(const Grasp& a, const Grasp& b) { return a.score > b.score; }
+
+// Leaves out the grasps from `first` on and counts them as rejected.
+void LeaveOut(std::vector<Grasp>::iterator first, const char* cause, PlanResult& plan) {
+  if (first == plan.grasps.end()) return;
+  plan.rejected[cause] += static_cast<int>(plan.grasps.end() - first);
+  plan.grasps.erase(first, plan.grasps.end());
 }
 
 }  // namespace
@@ -177,7 +117,7 @@ void CompletedPlannerOptions::Visit(SettingsVisitor& v) {
   const Range probability{0.01, 0.99};
   v.Integer("max_shapes", max_shapes, {1, 1000}, "number of objects that are completed");
   v.Real("min_reported_score", min_reported_score, {0, 1},
-         "chance of success under which a grasp is not reported");
+         "chance of success, before rehearsals, under which a grasp is not reported");
   v.Integer("smoothing", smoothing, {0, 10}, "number of passes of the smoothing of a shape");
   v.Bool("grasps_observed", grasps_observed, "whether the hands also grasp the observed surface");
   v.Group(
@@ -200,6 +140,9 @@ void CompletedPlannerOptions::Visit(SettingsVisitor& v) {
   v.Group(
       "candidates", [this](SettingsVisitor& g) { candidates.Visit(g); },
       "grasp candidates of an object");
+  v.Group(
+      "rehearsal", [this](SettingsVisitor& g) { rehearsal.Visit(g); },
+      "execution of grasps on completed shapes");
 }
 
 CompletedPlanner::CompletedPlanner(const PlannerSetup& setup,
@@ -229,30 +172,12 @@ double CompletedPlanner::MaxTilt_rad() const {
                                       : options_.plan.max_tilt_rad;
 }
 
-std::vector<CompletedPlanner::Completed> CompletedPlanner::MakeObjects(
-    std::span<const OccupancyShape> shapes, const PlannerInput& input, const Pose& X_BW) const {
-  std::vector<Completed> completed;
-  const double friction = setup_.spec.friction / PadFriction(setup_.tools);
-  const double max_tilt_rad = MaxTilt_rad();
-  for (const OccupancyShape& shape : shapes) {
-    TriangleMesh mesh_B = Transformed(SurfaceOf(shape, options_.surface_level), X_BW * shape.X_WV);
-    if (mesh_B.triangles.empty()) continue;
-    mesh_B = LargestPiece(mesh_B);
-    const Pose X_BO = Translation(MeshBounds(mesh_B).center());
-    const auto model =
-        ModelOf(Transformed(mesh_B, X_BO.inverse()), options_.density_kgpm3, friction);
-    if (model == nullptr) continue;
-    Completed& object = completed.emplace_back();
-    object.model = model;
-    object.pose = {ObjectId(static_cast<int>(completed.size()) - 1), X_BO, 1};
-    Rng rng = Rng::Derive(input.seed, BinIndex(0), "grasp/completed");
-    for (const auto& tool : setup_.tools) {
-      object.candidates.push_back(CandidatesOf(*model, *tool, max_tilt_rad,
-                                               options_.plan.relaxed.max_tilt_rad,
-                                               options_.max_candidates, rng, options_.candidates));
-    }
-  }
-  return completed;
+CompletedObjectOptions CompletedPlanner::Assumed() const {
+  CompletedObjectOptions assumed;
+  assumed.surface_level = options_.surface_level;
+  assumed.density_kgpm3 = options_.density_kgpm3;
+  assumed.friction = setup_.spec.friction / PadFriction(setup_.tools);
+  return assumed;
 }
 
 const Gripper& CompletedPlanner::ToolOf(const Grasp& grasp) const {
@@ -286,17 +211,22 @@ double CompletedPlanner::ChanceOf(const Grasp& grasp, GraspedSurface surface,
   return options_.chance.Of(rater.Measure(grasp, tool, surface));
 }
 
-PlanResult CompletedPlanner::PlanOn(const std::vector<Completed>& completed,
+PlanResult CompletedPlanner::PlanOn(const std::vector<CompletedObject>& completed,
                                     const GraspRater& rater, const PlannerInput& input,
                                     const BinPlacement& bin) const {
   const Pose X_BW = bin.X_WB.inverse();
   ObjectSet objects;
   std::vector<EstimatedPose> poses;
   std::vector<std::vector<std::vector<GraspCandidate>>> candidates(setup_.tools.size());
-  for (const Completed& object : completed) {
+  for (const CompletedObject& object : completed) {
+    poses.push_back({ObjectId(static_cast<int>(objects.size())), object.X_BO, 1});
     objects.push_back(object.model);
-    poses.push_back(object.pose);
-    for (size_t k = 0; k < candidates.size(); ++k) candidates[k].push_back(object.candidates[k]);
+    Rng rng = Rng::Derive(input.seed, BinIndex(0), "grasp/completed");
+    for (size_t k = 0; k < candidates.size(); ++k) {
+      candidates[k].push_back(CandidatesOf(*object.model, *setup_.tools[k], MaxTilt_rad(),
+                                           options_.plan.relaxed.max_tilt_rad,
+                                           options_.max_candidates, rng, options_.candidates));
+    }
   }
   std::vector<Vector3d> cloud_B;
   ForEachDepthPoint(
@@ -350,6 +280,39 @@ void CompletedPlanner::KeepOutOfPossibleMatter(std::span<const OccupancyShape> s
   }
 }
 
+void CompletedPlanner::Rehearse(Rehearsal& rehearsal, int max_grasps,
+                                std::vector<Grasp>& grasps) const {
+  struct Rated {
+    Grasp grasp;
+    bool is_final;  // rehearsed, or of a cup
+  };
+  std::vector<Rated> rated;
+  for (const Grasp& grasp : grasps) rated.push_back({grasp, IsSuction(ToolOf(grasp))});
+  const auto is_better = [](const Rated& a, const Rated& b) { return IsBetter(a.grasp, b.grasp); };
+  // A rehearsal never raises a score. So a final grasp that is better than all others stays so.
+  int left = setup_.spec.rehearsals;
+  auto next = rated.begin();
+  const auto last = rated.begin() + std::clamp<std::ptrdiff_t>(max_grasps, 0, std::ssize(rated));
+  while (next != last && left > 0) {
+    const auto best = std::min_element(next, rated.end(), is_better);
+    if (best->is_final) {
+      std::rotate(next++, best, best + 1);
+      continue;
+    }
+    Grasp& grasp = best->grasp;
+    // The cell does not execute the grasps that are left, and a rehearsal does not change that.
+    if (grasp.score < setup_.spec.min_score) break;
+    if (const auto failures = rehearsal.FailuresOf(grasp, ToolOf(grasp))) {
+      grasp.score = options_.chance.AfterRehearsal(grasp.score, failures->hit, failures->lost);
+    }
+    best->is_final = true;
+    --left;
+  }
+  std::stable_sort(rated.begin(), rated.end(), is_better);
+  grasps.clear();
+  for (const Rated& one : rated) grasps.push_back(one.grasp);
+}
+
 PlanResult CompletedPlanner::Plan(const PlannerInput& input) {
   CheckInput(!input.frame.depth_m.empty(),
              "the image has no depth, which a planner without poses needs");
@@ -367,7 +330,11 @@ PlanResult CompletedPlanner::Plan(const PlannerInput& input) {
   for (OccupancyShape& shape : smoothed) {
     for (int pass = 0; pass < options_.smoothing; ++pass) shape = Smoothed(shape);
   }
-  const std::vector<Completed> completed = MakeObjects(smoothed, input, X_WB.inverse());
+  std::vector<CompletedObject> completed;
+  for (const OccupancyShape& shape : smoothed) {
+    const auto object = MakeCompletedObject(shape, X_WB.inverse(), Assumed());
+    if (object) completed.push_back(*object);
+  }
   const ImageSegments segments = setup_.shapes->Segments();
   const GraspRater rater(input, X_WB, segments, shapes, options_.plan);
   PlanResult plan, observed;
@@ -390,7 +357,16 @@ PlanResult CompletedPlanner::Plan(const PlannerInput& input) {
     grasp.score = ChanceOf(grasp, GraspedSurface::kObserved, rater);
   }
   plan.grasps.insert(plan.grasps.end(), observed.grasps.begin(), observed.grasps.end());
-  KeepBest(options_.min_reported_score, input.max_grasps, plan);
+  std::stable_sort(plan.grasps.begin(), plan.grasps.end(), IsBetter);
+  // A rehearsal leaves no grasp out: the shape may be wrong, and there may be no other grasp.
+  const auto weak = std::ranges::find_if(
+      plan.grasps, [&](const Grasp& grasp) { return grasp.score < options_.min_reported_score; });
+  LeaveOut(weak, "score too low", plan);
+  const double bin_friction = input.bin ? input.bin->bin.friction : table.friction;
+  Rehearsal rehearsal(smoothed, X_WB.inverse(), Assumed(), bin_friction, options_.rehearsal);
+  Rehearse(rehearsal, input.max_grasps, plan.grasps);
+  const int left = std::min(input.max_grasps, static_cast<int>(plan.grasps.size()));
+  LeaveOut(plan.grasps.begin() + left, "outranked", plan);
   return plan;
 }
 

@@ -10,7 +10,8 @@
 // the image does not show. Jaws also grasp the observed surface (grasp/cloud/cloud_antipodal.h).
 // The score of a grasp is its estimated chance of success, so that both kinds of grasps are ranked
 // together: by a logistic function (grasp/completed/success_chance.h), or for jaws by a network if
-// the scenario names one (grasp/completed/success_network.h).
+// the scenario names one (grasp/completed/success_network.h). The best grasps of jaws are rehearsed
+// in physics on the completed shapes (grasp/completed/rehearsal.h), which changes their chances.
 //
 //          p > surface_level: grasped surface      A hand also keeps out of possible matter, where
 //          ______                                  the probability is over `possible_level`. A jaw
@@ -24,8 +25,10 @@
 #include <vector>
 
 #include "grasp/candidates/candidates.h"
+#include "grasp/completed/completed_object.h"
 #include "grasp/completed/grasp_rater.h"
 #include "grasp/completed/occupancy_shape.h"
+#include "grasp/completed/rehearsal.h"
 #include "grasp/completed/success_chance.h"
 #include "grasp/plan/clearance.h"
 #include "grasp/plan/planner.h"
@@ -37,7 +40,7 @@ struct CompletedPlannerOptions {
   int smoothing = 2;                       // passes of Smoothed()
   bool grasps_observed = true;             // hands also grasp the observed surface
   SuccessChance chance = {};               // score of a grasp without a network
-  double min_reported_score = 0.05;        // grasps with a smaller chance are not reported
+  double min_reported_score = 0.05;        // smallest chance before rehearsals that is reported
   double surface_level = kSurfaceLevel;    // probability at the grasped surface
   double possible_level = kPossibleLevel;  // probability from which a hand keeps out
   double relaxed_level = 0.5;              // the same if no grasp is found otherwise
@@ -48,6 +51,7 @@ struct CompletedPlannerOptions {
   int tested_grasps = 300;                // planned grasps that are tested against possible matter
   PlanOptions plan = {};                  // max_grasps, seed and max_tilt_rad are set by each call
   GraspCandidateOptions candidates = {};  // set to fewer samples by the constructor
+  RehearsalOptions rehearsal = {};
   CompletedPlannerOptions();
   void Visit(SettingsVisitor& v);
 };
@@ -64,11 +68,9 @@ class CompletedPlanner : public Planner {
   PlanResult Plan(const PlannerInput& input) override;
 
  private:
-  struct Completed;
-  double MaxTilt_rad() const;  // of an approach from straight down, in the first pass
-  std::vector<Completed> MakeObjects(std::span<const OccupancyShape> shapes,
-                                     const PlannerInput& input, const Pose& X_BW) const;
-  PlanResult PlanOn(const std::vector<Completed>& objects, const GraspRater& rater,
+  double MaxTilt_rad() const;              // of an approach from straight down, in the first pass
+  CompletedObjectOptions Assumed() const;  // properties of the objects
+  PlanResult PlanOn(const std::vector<CompletedObject>& objects, const GraspRater& rater,
                     const PlannerInput& input, const BinPlacement& bin) const;
   const Gripper& ToolOf(const Grasp& grasp) const;
   // Removes the grasps of the completed and of the observed surface at which a hand enters possible
@@ -78,6 +80,10 @@ class CompletedPlanner : public Planner {
   bool Passes(const ObstacleField& matter, const Pose& X_BW, Grasp& grasp) const;
   // Returns the chance that a grasp of a surface succeeds.
   double ChanceOf(const Grasp& grasp, GraspedSurface surface, const GraspRater& rater) const;
+  // Rehearses the jaws' grasps with the best chances and lowers these, until the best `max_grasps`
+  // are rehearsed, or PlannerSpec::rehearsals of them, or the others are under
+  // PlannerSpec::min_score. `grasps` are sorted by their chances before and after it.
+  void Rehearse(Rehearsal& rehearsal, int max_grasps, std::vector<Grasp>& grasps) const;
 
   const PlannerSetup setup_;
   const CompletedPlannerOptions options_;

@@ -7,13 +7,6 @@
 #include "grasp/plan/clearance.h"
 
 namespace pickbed::grasp {
-namespace {
-
-double Opening_m(const Grasp& grasp, const Gripper& tool) {
-  return tool.ApproachOpening_m(grasp.width_m).value_or(tool.MaxOpening_m());
-}
-
-}  // namespace
 
 GraspRater::GraspRater(const PlannerInput& input, const Pose& X_WB, const ImageSegments& segments,
                        std::span<const OccupancyShape> shapes, const PlanOptions& plan)
@@ -38,7 +31,7 @@ GraspMeasures GraspRater::MeasureOn(const SegmentMeasures* segment, const Grasp&
                                     const Gripper& tool, GraspedSurface surface) const {
   const bool is_suction = dynamic_cast<const SuctionCup*>(&tool) != nullptr;
   GraspMeasures measures{surface, is_suction, grasp.score, grasp.width_m};
-  measures.hidden_m = hidden_.MeanDepth_m(HandSweep(tool, Opening_m(grasp, tool)),
+  measures.hidden_m = hidden_.MeanDepth_m(HandSweep(tool, tool.OpeningOrMax_m(grasp.width_m)),
                                           X_BW_ * grasp.X_WG, plan_.hidden_step_m);
   if (segment != nullptr) {
     measures.covered = segment->covered;
@@ -49,7 +42,7 @@ GraspMeasures GraspRater::MeasureOn(const SegmentMeasures* segment, const Grasp&
 
 std::vector<float> GraspRater::Inputs(const Grasp& grasp, const Gripper& tool,
                                       GraspedSurface surface) const {
-  const double opening_m = Opening_m(grasp, tool);
+  const double opening_m = tool.OpeningOrMax_m(grasp.width_m);
   const double tilt_rad = std::acos(std::clamp(-grasp.X_WG.linear()(2, 2), -1.0, 1.0));
   const SegmentMeasures* segment = SegmentOf(grasp, tool);
   return SuccessInputs(MeasureOn(segment, grasp, tool, surface), opening_m, tilt_rad,

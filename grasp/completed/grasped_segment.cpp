@@ -37,7 +37,7 @@ const SegmentMeasures* GraspedSegment(const ImageSegments& image, const PlannerI
   if (image.segments.empty()) return nullptr;
   constexpr double kCenter_m = 0.004;  // half edge of the cube at the center of a lip
   constexpr double kMargin_m = 0.001;  // for noise of the readings
-  const double opening_m = tool.ApproachOpening_m(width_m).value_or(tool.MaxOpening_m());
+  const double opening_m = tool.OpeningOrMax_m(width_m);
   AxisAlignedBox region_G = tool.RegionBetween(opening_m).value_or(
       AxisAlignedBox{Vector3d::Zero(), Vector3d::Constant(kCenter_m)});
   region_G.half_size.array() += kMargin_m;

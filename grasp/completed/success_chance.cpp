@@ -21,6 +21,10 @@ double SuccessChance::Of(const GraspMeasures& grasp) const {
   return Logistic(log_odds);
 }
 
+double SuccessChance::AfterRehearsal(double chance, double hit_share, double lost_share) const {
+  return LessLikely(chance, rehearsal_hit * hit_share + rehearsal_lost * lost_share);
+}
+
 void SuccessChance::Visit(SettingsVisitor& v) {
   const Range log_odds{-20, 20}, loss{0, 20}, per_m{0, 1000}, length{0.0001, 1};
   v.Real("suction", suction, log_odds, "log odds of success of a suction cup with score 1");
@@ -39,6 +43,10 @@ void SuccessChance::Visit(SettingsVisitor& v) {
   v.Real("covered", covered, loss, "loss of log odds of a segment that others cover all around");
   v.Real("center_offset_per_m", center_offset_per_m, per_m,
          "loss of log odds for each metre from the closing line to the center of the segment");
+  v.Real("rehearsal_hit", rehearsal_hit, loss,
+         "loss of log odds if the hand hits the object in all rehearsals that count");
+  v.Real("rehearsal_lost", rehearsal_lost, loss,
+         "loss of log odds if the hand loses the object in all rehearsals that count");
 }
 
 }  // namespace pickbed::grasp

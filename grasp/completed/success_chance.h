@@ -40,9 +40,16 @@ struct SuccessChance {
   // Losses of all jaws.
   double covered = 3.57;            // of a segment that others cover all around
   double center_offset_per_m = 31;  // for each metre of GraspMeasures::center_offset_m
+  // Losses of a jaw that hits or loses the object in all rehearsals that count
+  // (grasp/completed/rehearsal.h).
+  double rehearsal_hit = 3.5;
+  double rehearsal_lost = 1.2;
 
   // Returns the chance of success, 0..1.
   double Of(const GraspMeasures& grasp) const;
+  // Returns `chance` after rehearsals. In a share of them the hand hits the object, in another
+  // share it loses it, both 0..1. The result is never above `chance`.
+  double AfterRehearsal(double chance, double hit_share, double lost_share) const;
   void Visit(SettingsVisitor& v);
 };
 

@@ -53,8 +53,7 @@ const Eigen::Matrix3Xd& ImagePicks::PointsOf(ObjectId object) const {
 ImagePicks::Pick ImagePicks::MakePick(const Grasp& grasp, const EstimatedPose& pose,
                                       const Gripper& gripper) const {
   const ObjectModel& model = *objects_.at(pose.object);
-  const double opening_m =
-      gripper.ApproachOpening_m(grasp.width_m).value_or(gripper.MaxOpening_m());
+  const double opening_m = gripper.OpeningOrMax_m(grasp.width_m);
   return {pose.X_WO * model.mass.com_O,
           0.5 * model.diameter_m + grasp.lift_aside_m.norm(),
           pose.X_WO * PointsOf(pose.object),

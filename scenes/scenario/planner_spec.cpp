@@ -25,6 +25,9 @@ void PlannerSpec::Visit(SettingsVisitor& v) {
       "success_model", success_model, {},
       "network that estimates the chance of success of a jaw's grasp, a name in assets/models or "
       "a file, or none for a logistic function; only for planners completed and skirt");
+  v.Integer("rehearsals", rehearsals, {0, 100000},
+            "maximum number of grasps of an image that are rehearsed in physics on the completed "
+            "shapes, only by jaws; 0 = none; only for planners completed and skirt");
   v.Words("command", command,
           "program that plans the grasps, and its arguments; only for planners process and "
           "process_poses");

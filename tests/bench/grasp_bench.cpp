@@ -1,11 +1,13 @@
 // Benchmarks of grasp candidates of an object, a plan for a bin of estimated poses, a plan without
-// poses, and one executed grasp.
+// poses, one executed grasp, and rehearsals of a grasp.
 
 #include <benchmark/benchmark.h>
 
 #include "eval/cell/simulated_cell.h"
+#include "eval/shapes/segment_shapes.h"
 #include "grasp/candidates/candidates.h"
 #include "grasp/cloud/cloud_antipodal.h"
+#include "grasp/completed/rehearsal.h"
 #include "grasp/execute/execute.h"
 #include "grasp/grippers/parallel_jaw.h"
 #include "grasp/grippers/table.h"
@@ -60,6 +62,31 @@ void PlanBin(benchmark::State& state, int candidates_each) {
 }
 BENCHMARK_CAPTURE(PlanBin, few, 200)->Name("grasp/plan/20x200")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(PlanBin, many, 2000)->Name("grasp/plan/20x2000")->Unit(benchmark::kMillisecond);
+
+// Rehearsals of a grasp at all levels, with objects that are made anew or kept.
+void Rehearse(benchmark::State& state, bool makes_objects) {
+  const GraspBench bench(20, 2000);
+  const PlanResult plan = bench.Plan();
+  if (plan.grasps.empty()) {
+    state.SkipWithError("no grasp in the bin");
+    return;
+  }
+  const Grasp& grasp = plan.grasps.front();
+  const std::vector<OccupancyShape> shapes{
+      ShapeOfMesh(bench.objects[0]->mesh_O, bench.scene.objects[grasp.hypothesis].X_WO)};
+  Rehearsal kept(shapes, Pose::Identity(), {}, Bin().friction);
+  for (auto _ : state) {
+    if (makes_objects) kept = Rehearsal(shapes, Pose::Identity(), {}, Bin().friction);
+    benchmark::DoNotOptimize(kept.FailuresOf(grasp, bench.gripper));
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK_CAPTURE(Rehearse, first, true)
+    ->Name("grasp/rehearse/first")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Rehearse, next, false)
+    ->Name("grasp/rehearse/next")
+    ->Unit(benchmark::kMillisecond);
 
 // 500 grasps of a new object with all their qualities.
 void Candidates(benchmark::State& state, const char* gripper_name) {

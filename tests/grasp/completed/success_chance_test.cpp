@@ -55,6 +55,22 @@ TEST(SuccessChance, OddsOfACupAreAPowerOfItsScoreOnBothSurfaces) {
   }
 }
 
+// A loss divides the odds, whatever they are.
+TEST(SuccessChance, RehearsalsDivideTheOdds) {
+  const SuccessChance chance{.rehearsal_hit = 4, .rehearsal_lost = 1};
+  for (const double before : {0.2, 0.9}) {
+    const auto gain = [&](double hit, double lost) {
+      return LogOdds(chance.AfterRehearsal(before, hit, lost)) - LogOdds(before);
+    };
+    EXPECT_NEAR(gain(0, 0), 0, 1e-9);
+    EXPECT_NEAR(gain(1, 0), -4, 1e-9);
+    EXPECT_NEAR(gain(0.5, 0.5), -2.5, 1e-9);
+  }
+  for (const double certain : {0.0, 1.0}) {
+    EXPECT_NEAR(chance.AfterRehearsal(certain, 0.5, 0.5), certain, 1e-4);
+  }
+}
+
 // Whatever a planner gives, the result is a probability.
 TEST(SuccessChance, IsFiniteForAScoreOfZero) {
   const double chance = SuccessChance().Of({GraspedSurface::kObserved, false, 0});

@@ -29,6 +29,7 @@ TEST(PlannerSpec, ValuesOutOfRangeAreRefused) {
   };
   EXPECT_THAT(error("{friction: 0}"), HasSubstr("s.yaml:3: planner.friction"));
   EXPECT_THAT(error("{max_tilt_deg: 90}"), HasSubstr("planner.max_tilt_deg"));
+  EXPECT_THAT(error("{rehearsals: -1}"), HasSubstr("s.yaml:3: planner.rehearsals"));
   EXPECT_THAT(error("{nam: poses}"), HasSubstr("name"));
 }
 
