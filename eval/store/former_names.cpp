@@ -25,9 +25,6 @@ std::string ScenarioWithCurrentNames(const std::string& yaml) {
   const std::string text = scenes::WithCurrentNames(yaml, visit).text;
   if (text.find(kLastGroup) == std::string::npos) return text;
   ReadSettingsText(text, "settings of the store", visit);
-  // Earlier versions had no rehearsals.
-  const bool has_shapes = spec.planner.name == "completed" || spec.planner.name == "skirt";
-  if (has_shapes && text.find("\n  rehearsals: ") == std::string::npos) spec.planner.rehearsals = 0;
   return WriteSettings(visit);
 }
 

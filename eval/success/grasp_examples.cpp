@@ -105,7 +105,6 @@ class ExampleBin {
   PlannerSetup SetupOf(ShapeSource* shapes) const {
     PlannerSetup setup{setup_.spec.planner, setup_.tools, setup_.cell.objects(),
                        setup_.candidates,   {},           setup_.options.cloud_stride_px};
-    setup.spec.rehearsals = 0;  // rehearsals would change the scores, which choose the grasps
     setup.shapes = shapes;
     setup.network = network_;
     return setup;

@@ -123,7 +123,7 @@ FailureReason Rehearsal::FailureOf(const Grasp& grasp, const Gripper& tool, int 
   // P is on the plane, under the object.
   const Pose X_PB = Translation({-center_B.x(), -center_B.y(), -plane_m});
   Scene scene;
-  scene.bin.inner_size_m = {10, 10, 0};
+  scene.bin.inner_size_m = {1, 1, 0};
   scene.bin.friction = bin_friction_;
   PosedObject& posed = scene.objects.emplace_back();
   posed.X_WO = X_PB * object->X_BO;

@@ -5,7 +5,7 @@
 // Planners rank their own grasps by scores that mean different things. A logistic function of the
 // score and of a few measures of the grasp makes the grasps of different planners comparable. Its
 // coefficients were fitted to grasps that were executed in bins of unknown objects, see
-// docs/pages/guides/unknown_parts.md.
+// docs/pages/guides/chance_of_success.md.
 
 #include "grasp/layer.h"
 #include "scenes/base/settings.h"

@@ -27,7 +27,7 @@ struct PlannerSpec {
   std::string segmentation = "convexity";
   std::string completion = "network";
   std::string success_model = kNoSuccessModel;  // network that rates grasps of a jaw
-  int rehearsals = 40;  // maximum number of grasps of an image that are rehearsed in physics
+  int rehearsals = 0;  // maximum number of grasps of an image that are rehearsed in physics
   // For planners that are programs: `command` or `connect`.
   std::vector<std::string> command;  // program and arguments
   std::string connect;               // host:port of a running program

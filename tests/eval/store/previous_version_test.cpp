@@ -367,24 +367,6 @@ TEST(FormerNames, MergedStoresKeepTheOrderOfTheirIdentities) {
   EXPECT_EQ(WithCurrentNames(current).identity, current.identity) << "not idempotent";
 }
 
-// Stored trials of unknown objects were picked without rehearsals.
-TEST(FormerNames, EarlierTrialsHaveNoRehearsals) {
-  for (const auto& [name, rehearsals] :
-       {std::pair("completed", 0), {"skirt", 0}, {kPosePlanner, PlannerSpec().rehearsals}}) {
-    ScenarioSpec spec;
-    spec.planner.name = name;
-    const auto visit = [&](SettingsVisitor& v) { spec.Visit(v); };
-    const std::string now = WriteSettings(visit);
-    std::string former = now;
-    const size_t line = former.find("  rehearsals: ");
-    ASSERT_NE(line, std::string::npos);
-    former.erase(line, former.find('\n', line) + 1 - line);
-    EXPECT_EQ(WithCurrentNames(now), now);
-    spec.planner.rehearsals = rehearsals;
-    EXPECT_EQ(WithCurrentNames(former), WriteSettings(visit)) << name;
-  }
-}
-
 // Writes settings with their first names and reads them again.
 template <typename Options>
 void ExpectFirstNamesAreRead(Options options) {

@@ -177,6 +177,7 @@ TEST_F(DegeneratePlans, GraspsOnCompletedShapesAreFinite) {
     GivenShapes source({shape});
     PlannerSetup setup = Setup();
     setup.shapes = &source;
+    setup.spec.rehearsals = 5;
     CompletedPlannerOptions options;
     options.grasps_observed = false;
     CompletedPlanner planner(setup, options);

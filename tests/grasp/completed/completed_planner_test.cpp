@@ -26,13 +26,6 @@ using ::testing::HasSubstr;
 constexpr double kRadius_m = 0.02;
 const Pose kSpherePose = OnFloor(0.03, -0.02, 2 * kRadius_m, 0);
 
-// Rehearsals change the chances of the other rules.
-PlannerSpec WithoutRehearsals() {
-  PlannerSpec spec;
-  spec.rehearsals = 0;
-  return spec;
-}
-
 class CompletedPlan {
  public:
   explicit CompletedPlan(std::vector<OccupancyShape> shapes,
@@ -54,7 +47,7 @@ class CompletedPlan {
     return options;
   }
   PlannerSetup Setup() {
-    PlannerSetup setup{WithoutRehearsals(), tools_, objects_, candidates_, {}, 2};
+    PlannerSetup setup{PlannerSpec(), tools_, objects_, candidates_, {}, 2};
     setup.shapes = &shapes_;
     return setup;
   }
@@ -192,7 +185,7 @@ TEST(CompletedPlanner, TheHandKeepsOutOfPossibleMatterAtTheObservedSurface) {
   const ObjectSet objects;
   const std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
   GivenShapes shapes({beside});
-  PlannerSetup setup{WithoutRehearsals(), tools, objects, candidates, {}, 2};
+  PlannerSetup setup{PlannerSpec(), tools, objects, candidates, {}, 2};
   setup.shapes = &shapes;
   CompletedPlannerOptions options;
   options.min_reported_score = 0;
@@ -265,7 +258,7 @@ TEST(CompletedPlanner, GivesEachObjectTheToolThatHoldsIt) {
   const ObjectSet objects;
   const std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
   GivenShapes shapes({BoxShape(slab, slab_pose), BoxShape(bar, bar_pose)});
-  PlannerSetup setup{WithoutRehearsals(), tools, objects, candidates, {}, 2};
+  PlannerSetup setup{PlannerSpec(), tools, objects, candidates, {}, 2};
   setup.shapes = &shapes;
   CompletedPlannerOptions options;
   options.min_reported_score = 0;
@@ -322,7 +315,7 @@ TEST(CompletedPlanner, GraspsTheObservedSurfaceIfShapesGiveNoGrasp) {
   const ObjectSet objects;
   const std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
   GivenShapes none({});
-  PlannerSetup setup{WithoutRehearsals(), tools, objects, candidates, {}, 2};
+  PlannerSetup setup{PlannerSpec(), tools, objects, candidates, {}, 2};
   setup.shapes = &none;
   const PlanResult on_surface = CloudAntipodal(setup).Plan(scene.Input());
   const PlanResult result = CompletedPlanner(setup).Plan(scene.Input());
@@ -358,7 +351,7 @@ TEST(CompletedPlanner, RanksBothKindsOfGraspsByTheirChance) {
   const ObjectSet objects;
   const std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
   GivenShapes shapes({SphereShape(kRadius_m, kSpherePose)});
-  PlannerSetup setup{WithoutRehearsals(), tools, objects, candidates, {}, 2};
+  PlannerSetup setup{PlannerSpec(), tools, objects, candidates, {}, 2};
   setup.shapes = &shapes;
   const PlanResult observed = CloudAntipodal(setup).Plan(scene.Input(20));
   ASSERT_FALSE(observed.grasps.empty());
@@ -396,7 +389,7 @@ TEST(CompletedPlanner, ANetworkRatesTheGraspsOfJaws) {
   const auto plan_with = [&](std::shared_ptr<const Gripper> tool,
                              std::shared_ptr<const SuccessNetwork> network) {
     const std::vector<std::shared_ptr<const Gripper>> tools{std::move(tool)};
-    PlannerSetup setup{WithoutRehearsals(), tools, objects, candidates, {}, 2};
+    PlannerSetup setup{PlannerSpec(), tools, objects, candidates, {}, 2};
     setup.network = std::move(network);
     setup.shapes = &shapes;
     return CompletedPlanner(setup).Plan(scene.Input(20));
@@ -434,11 +427,10 @@ TEST(CompletedPlanner, NeedsASourceOfShapes) {
       std::make_shared<ParallelJaw>(SmallJaw())};
   const ObjectSet objects;
   const std::vector<std::vector<std::vector<GraspCandidate>>> candidates;
-  EXPECT_THAT(
-      ErrorOf([&] {
-        PlannerNamed("completed").make({WithoutRehearsals(), tools, objects, candidates, {}, 2});
-      }),
-      HasSubstr("shapes"));
+  EXPECT_THAT(ErrorOf([&] {
+                PlannerNamed("completed").make({PlannerSpec(), tools, objects, candidates, {}, 2});
+              }),
+              HasSubstr("shapes"));
 }
 
 }  // namespace
