@@ -10,8 +10,9 @@
 // the image does not show. Jaws also grasp the observed surface (grasp/cloud/cloud_antipodal.h).
 // The score of a grasp is its estimated chance of success, so that both kinds of grasps are ranked
 // together: by a logistic function (grasp/completed/success_chance.h), or for jaws by a network if
-// the scenario names one (grasp/completed/success_network.h). The best grasps of jaws are rehearsed
-// in physics on the completed shapes (grasp/completed/rehearsal.h), which changes their chances.
+// the scenario names one (grasp/completed/success_network.h). With PlannerSpec::rehearsals, the
+// best grasps of jaws are rehearsed in physics on the completed shapes
+// (grasp/completed/rehearsal.h), which lowers their chances if they fail.
 //
 //          p > surface_level: grasped surface      A hand also keeps out of possible matter, where
 //          ______                                  the probability is over `possible_level`. A jaw
