@@ -23,9 +23,9 @@ struct CompletedObject {
   Pose X_BO = Pose::Identity();
 };
 
-// Returns the object of a shape, or nullopt if its surface encloses no volume. The
-// largest closed piece is taken, since an object has one and small ones are noise. `X_BW` is the
-// pose of the world in B.
+// Returns the object of a shape, or nullopt if its surface encloses no volume. The largest closed
+// piece is taken, since an object has one and small ones are noise. `X_BW` is the pose of the world
+// in B.
 std::optional<CompletedObject> MakeCompletedObject(const OccupancyShape& shape, const Pose& X_BW,
                                                    const CompletedObjectOptions& options);
 

@@ -18,8 +18,7 @@ using Eigen::Vector3d;
 constexpr double kSide_m = 0.03;
 const Pose kPose = OnFloor(0.02, -0.01, kSide_m, 0);
 
-// A cube of 30 mm in whose surroundings matter is possible: `probability` at least 15 mm beside it,
-// along x.
+// A cube of 30 mm. Matter has this `probability` up to 15 mm beside it, along x.
 OccupancyShape CubeBesidePossibleMatter(float probability) {
   return ShapeOfBody(0.09, 60, kPose, [&](const Vector3d& p) -> double {
     if ((p.cwiseAbs().array() - 0.5 * kSide_m).maxCoeff() < 0) return 1;
