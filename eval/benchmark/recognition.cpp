@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <regex>
 #include <set>
 
 #include "eval/estimate/statistics.h"
@@ -159,9 +160,30 @@ class GalleryChoice {
 // A round of bins of a scenario.
 struct Round {
   std::string scenario;
-  int first = 0;  // bin
+  int scenario_index = 0;  // in RecognitionOptions::scenarios
+  int first = 0;           // bin
   int bins = 0;
 };
+
+// Returns the folder of the pictures of a round. Scenario files can have the same name, so it has
+// the index of the scenario, too.
+std::string PicturesFolder(const Round& round) {
+  return fmt::format("{}_{}_{:03}", std::filesystem::path(round.scenario).stem().string(),
+                     round.scenario_index, round.first);
+}
+
+// Removes the pictures of an earlier benchmark in the same results folder.
+void RemovePictures(const std::filesystem::path& pictures) {
+  static const std::regex written(".+_[0-9]+_[0-9]{3,}");
+  std::vector<std::filesystem::path> folders;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(pictures, none)) {
+    if (entry.is_directory() && std::regex_match(entry.path().filename().string(), written)) {
+      folders.push_back(entry.path());
+    }
+  }
+  for (const std::filesystem::path& folder : folders) std::filesystem::remove_all(folder);
+}
 
 // Estimates one round. Adds its pictures to the gallery.
 std::vector<ComparedRow> ComparedRound(const RecognitionOptions& options, const Round& round,
@@ -187,8 +209,7 @@ std::vector<ComparedRow> ComparedRound(const RecognitionOptions& options, const 
   };
   job.stop = [&] { return !goes_on; };
   if (!options.pictures.empty()) {
-    const std::filesystem::path folder =
-        fmt::format("{}_{:03}", std::filesystem::path(round.scenario).stem().string(), round.first);
+    const std::filesystem::path folder = PicturesFolder(round);
     job.out = options.pictures / folder;
     job.wants_pictures = [&, folder](const std::vector<const ComparedImage*>& images) {
       const ComparedImage &before = *images.front(), &after = *images.back();
@@ -225,8 +246,8 @@ void CheckRecognition(const RecognitionOptions& options) {
   const std::set<std::string> distinct(options.completions.begin(), options.completions.end());
   CheckInput(options.completions.size() >= 2 && distinct.size() == options.completions.size(),
              "name at least two completions, and each only once");
-  std::vector<std::string> known{kNoCompletion};
-  for (const auto& row : perception::CompleterTable()) known.push_back(row.name);
+  std::vector<std::string> known = perception::CompleterNames();
+  known.insert(known.begin(), kNoCompletion);
   for (const std::string& completion : options.completions) {
     CheckInput(std::ranges::find(known, completion) != known.end(),
                UnknownNameMessage("completion method", completion, known));
@@ -241,6 +262,7 @@ void CheckRecognition(const RecognitionOptions& options) {
 Recognition RunRecognition(const RecognitionOptions& options,
                            const std::function<bool(int done, int total)>& on_progress) {
   CheckRecognition(options);
+  if (!options.pictures.empty()) RemovePictures(options.pictures);
   Recognition recognition;
   recognition.completions = options.completions;
   const int total = options.bins * static_cast<int>(options.scenarios.size());
@@ -248,8 +270,8 @@ Recognition RunRecognition(const RecognitionOptions& options,
   bool stops = false;
   GalleryChoice choice;
   for (int first = 0; first < options.bins && !stops; first += kRoundBins) {
-    for (const std::string& name : options.scenarios) {
-      if (stops) break;
+    for (size_t scenario = 0; scenario < options.scenarios.size() && !stops; ++scenario) {
+      const std::string& name = options.scenarios[scenario];
       const int bins = std::min(kRoundBins, options.bins - first);
       if (on_progress && !on_progress(done, total)) return recognition;
       const auto on_bin = [&](int bins_done) {
@@ -257,7 +279,8 @@ Recognition RunRecognition(const RecognitionOptions& options,
         return !stops;
       };
       const std::vector<ComparedRow> rows =
-          ComparedRound(options, {name, first, bins}, on_bin, choice, recognition.gallery);
+          ComparedRound(options, {name, static_cast<int>(scenario), first, bins}, on_bin, choice,
+                        recognition.gallery);
       for (size_t image = 0; image < rows.front().images.size(); ++image) {
         for (size_t i = 0; i < rows.size(); ++i) {
           recognition.bins.push_back(

@@ -25,7 +25,8 @@ struct RecognitionOptions {
   std::vector<std::string> completions{"none", "skirt", "network"};  // the first is the reference
   std::string model = "completion";                                  // of method network
   uint64_t seed = 9100;
-  // Folder that gets the pictures of Recognition::gallery; empty = no pictures.
+  // Folder that gets the pictures of Recognition::gallery; empty = no pictures. Pictures of an
+  // earlier benchmark in it are removed.
   std::filesystem::path pictures;
 };
 

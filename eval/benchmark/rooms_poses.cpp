@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "eval/stats/statistics.h"
+#include "perception/verify/image_domain.h"
 #include "scenes/objects/object_model.h"
 
 namespace pickbed::eval {
@@ -22,15 +21,14 @@ ResultColumns RoomPosesColumns() {
 
 std::string RoomPosesLines(const ObjectSet& objects, const LabelledView& view,
                            const RoomEstimate& estimate) {
-  constexpr double kNearest_m = 1e-3;
   std::string lines;
   for (const ScoredHypothesis& pose : estimate.image.score.hypotheses) {
     const ObjectModel& object = *objects[pose.estimate.object];
-    const double distance_m = std::max(kNearest_m, pose.estimate.X_CO.translation().z());
-    lines += fmt::format(
-        "{},{},{},{},{},{:.4f},{:.1f},{}\n", estimate.image.trial, estimate.rooms,
-        estimate.background, int{estimate.fits_background}, CsvCell(object.name), pose.record.score,
-        view.frame.intrinsics.fx() * object.diameter_m / distance_m, int{pose.recalled >= 0});
+    const double diameter_px = perception::DiameterInImage_px(
+        view.frame.intrinsics, object.diameter_m, pose.estimate.X_CO);
+    lines += fmt::format("{},{},{},{},{},{:.4f},{:.1f},{}\n", estimate.image.trial, estimate.rooms,
+                         estimate.background, int{estimate.fits_background}, CsvCell(object.name),
+                         pose.record.score, diameter_px, int{pose.recalled >= 0});
   }
   return lines;
 }

@@ -190,7 +190,7 @@ class FrameDoubts {
     }
   }
 
-  // Moves the colour image as the findings of this image say.
+  // Moves the color image as the findings of this image say.
   void RegisterColorOf(const DatasetEstimate& place, RgbdFrame& frame) const {
     const auto found = findings_.find({place.scene_id, place.image_id});
     if (found != findings_.end()) RegisterColor(found->second, frame);

@@ -119,16 +119,16 @@ std::shared_ptr<const ObjectModel> LoadDatasetModel(const std::filesystem::path&
                                                     int object_id, const DatasetModelInfo& info,
                                                     const std::string& name);
 
-// Reads colour and depth of an image. The intrinsics get the size of the depth image. Throws
+// Reads color and depth of an image. The intrinsics get the size of the depth image. Throws
 // InputError if a file is missing, depth is not 16 bits, or the sizes differ.
 RgbdFrame ReadFrame(const SceneTruth& scene, const ImageTruth& image);
-// Same as ReadFrame, without colour.
+// Same as ReadFrame, without color.
 RgbdFrame ReadDepthFrame(const SceneTruth& scene, const ImageTruth& image);
 
 // Returns width and height of each camera*.json of a data set; px. Throws InputError for one with a
 // fault.
 std::vector<std::pair<int, int>> CameraSizes(const std::filesystem::path& root);
-// Throws InputError if no camera has the size of the depth image, and the colour image does not
+// Throws InputError if no camera has the size of the depth image, and the color image does not
 // have it either.
 void CheckImageSize(const SceneTruth& scene, const ImageTruth& image, const RgbdFrame& frame,
                     const std::vector<std::pair<int, int>>& camera_sizes);

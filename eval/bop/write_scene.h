@@ -15,7 +15,7 @@ namespace pickbed::eval {
 
 inline constexpr double kDepthScale_mm = 0.1;  // mm per unit of the depth images written here
 
-// Writes obj_XXXXXX.ply (ASCII, with normals, and colours or a texture) and models_info.json.
+// Writes obj_XXXXXX.ply (ASCII, with normals, and colors or a texture) and models_info.json.
 // Object ids are index + 1. In a mesh with flat faces, faces do not share corners, and each corner
 // has the normal of its face.
 void WriteModels(const std::filesystem::path& folder, const ObjectSet& objects);

@@ -14,7 +14,7 @@ namespace pickbed::eval {
 // A step of the waterfall from all picks down to the successful ones.
 struct WaterfallStep {
   std::string name;   // failure reason
-  std::string group;  // stage; steps of one stage have the same colour
+  std::string group;  // stage; steps of one stage have the same color
   int count = 0;
   Interval ci95;  // of its share
 };

@@ -16,7 +16,7 @@ namespace {
 constexpr Rgb8 kPaper{255, 255, 255}, kInk{35, 40, 48};
 constexpr Rgb8 kAll{150, 158, 168}, kLeft{0, 138, 100}, kOther{90, 90, 90};
 constexpr Rgb8 kFirst{0, 114, 178}, kSecond{213, 94, 0};
-// Colour-blind readers can distinguish these colours (Okabe and Ito 2008).
+// Color-blind readers can distinguish these colors (Okabe and Ito 2008).
 constexpr std::array<std::pair<const char*, Rgb8>, 8> kStages{{{"sense", {86, 180, 233}},
                                                                {"detect", {0, 114, 178}},
                                                                {"pose", {204, 121, 167}},

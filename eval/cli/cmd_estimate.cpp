@@ -356,7 +356,7 @@ int EstimateCommand(int argc, char** argv) {
   app.get_option("SCENARIO")
       ->required(false)
       ->description(
-          "scenario file, name of a preset (see pickbed list presets), or an image: a colour image "
+          "scenario file, name of a preset (see pickbed list presets), or an image: a color image "
           "with --depth, a depth image or an organised cloud");
   auto* bop_option =
       app.add_option("--bop", bop.path, "folder of a BOP dataset; replaces SCENARIO");

@@ -8,7 +8,7 @@ namespace pickbed::eval {
 
 ResultColumns ImagePosesKeys() {
   return {
-      {"image", "colour image, or depth image or cloud without colour, as given"},
+      {"image", "color image, or depth image or cloud without color, as given"},
       {"depth", "depth image or cloud, as given; empty if there is only one file"},
       {"camera.width", "width of the image", "px"},
       {"camera.height", "height of the image", "px"},

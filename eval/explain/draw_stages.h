@@ -30,7 +30,7 @@ struct Board {
   Image<Rgb8> faded;
 };
 
-// Foreground in its colours, the rest dimmed, pixels without a reading violet.
+// Foreground in its colors, the rest dimmed, pixels without a reading violet.
 Image<Rgb8> DrawForeground(const RgbdFrame& frame, const OrganizedCloud& cloud);
 
 struct ColoredDot {

@@ -129,7 +129,7 @@ Image<Rgb8> PatchPicture(const PatchValues& values, PatchChannels channels) {
       continue;
     }
     const double shade = has_normal ? 0.35 + 0.65 * std::max(0.0, normal.dot(light)) : 0.6;
-    // Uses only the center of the Turbo colour map, because its ends are dark.
+    // Uses only the center of the Turbo color map, because its ends are dark.
     const Rgb8 hue = TurboColor(0.12 + 0.76 * 0.5 * (1 - depth));
     const auto channel = [shade](uint8_t v) { return static_cast<uint8_t>(shade * v); };
     picture.data()[i] = {channel(hue.r), channel(hue.g), channel(hue.b)};

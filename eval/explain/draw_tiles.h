@@ -19,7 +19,7 @@ struct NeighborTile {
   std::optional<PatchValues> patch;  // of the codebook entry; nullopt = could not be rendered
   ObjectId object{0};
   Pose X_CO = Pose::Identity();  // pose for which it votes
-  Rgb8 color;                    // border colour of the tile
+  Rgb8 color;                    // border color of the tile
   std::string caption;
 };
 struct QueryTile {
@@ -35,14 +35,14 @@ Image<Rgb8> PatchSheet(const Board& board, ObjectOutlines& outlines,
                        const std::vector<QueryTile>& queries, PatchChannels channels,
                        const std::vector<LegendEntry>& legend);
 
-// Draws a patch by depth (near is warm), shaded by its normals, or in its colours. Unknown pixels
+// Draws a patch by depth (near is warm), shaded by its normals, or in its colors. Unknown pixels
 // are dark.
 Image<Rgb8> PatchPicture(const PatchValues& values, PatchChannels channels);
 
 struct PoseTile {
   ObjectId object{0};
   Pose X_CO = Pose::Identity();
-  Rgb8 color;  // border colour of the tile
+  Rgb8 color;  // border color of the tile
   std::vector<JudgedPoint> points;
   std::string title, caption;
 };
@@ -50,7 +50,7 @@ struct PoseTile {
 Rgb8 FitColor(PointFit fit);
 // Returns the legend of these colors.
 std::vector<LegendEntry> FitLegend();
-// Draws one tile per pose: the image around it, its outline, and its model points in the colour of
+// Draws one tile per pose: the image around it, its outline, and its model points in the color of
 // their fit.
 Image<Rgb8> PoseGallery(const Board& board, ObjectOutlines& outlines, const ObjectSet& objects,
                         const std::vector<ModelPoints>& models, const std::vector<PoseTile>& tiles);

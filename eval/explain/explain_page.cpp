@@ -141,14 +141,14 @@ void Explainer::Input() {
     return known.empty() ? 0.f : known[static_cast<size_t>(share * (known.size() - 1))];
   };
   if (!in_.frame.color.empty()) {
-    Show("1_color", Cropped(in_.frame.color, board_.region), "Colour", false);
+    Show("1_color", Cropped(in_.frame.color, board_.region), "Color", false);
   }
   Show("1_depth", Cropped(ColorizeDepth(in_.frame.depth_m), board_.region),
        fmt::format("Depth: near is warm, {:.3f} to {:.3f} m; black has no reading ({})", at(0.01),
                    at(0.99), PercentText(holes)),
        false);
   Show("1_foreground", Cropped(DrawForeground(in_.frame, in_.trace.cloud), board_.region),
-       "Foreground in its colours; background is dimmed, violet has no reading", false);
+       "Foreground in its colors; background is dimmed, violet has no reading", false);
 }
 
 void Explainer::Points() {

@@ -56,7 +56,7 @@ class Explainer {
     if (error.correct) return kRightColor;
     return error.mssd_diameters < kReachDiameters ? kNearColor : kWrongColor;
   }
-  // Colour by the error against ground truth; kUnknown without ground truth.
+  // Color by the error against ground truth; kUnknown without ground truth.
   Rgb8 ColorOfPose(ObjectId object, const Pose& X_CO) const {
     return judge_ ? ColorOf((*judge_)(object, X_CO)) : kUnknownColor;
   }

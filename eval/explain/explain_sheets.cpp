@@ -111,7 +111,7 @@ void Explainer::Patches() {
                               "votes for a wrong pose")),
        std::string("Each block: the query patch ") +
            (trace.channels == PatchChannels::kDepthColor
-                ? "(its colours; the network sees its depth, too)"
+                ? "(its colors; the network sees its depth, too)"
                 : "(depth, near is warm, shaded by its normals)") +
            " and the nearest entries, rendered anew; below, the place of the patch and the pose "
            "that each entry votes for. Numbers are descriptor distances.");
@@ -132,7 +132,7 @@ void Explainer::Accepted() {
       "6. Input of the verifier",
       fmt::format("Each dot is a model point that faces the camera. A right pose is blue except "
                   "where it is hidden (black). Orange is evidence against it: the camera measured "
-                  "a surface behind the model point. Texture: how well the colours of a printed "
+                  "a surface behind the model point. Texture: how well the colors of a printed "
                   "object match, up to 1; below {:g} it lowers the score.",
                   kTextureFound));
   std::vector<PoseTile> tiles;

@@ -203,7 +203,7 @@ CloudFile ReadPly(const std::string& bytes, const std::string& name, const Cloud
   }
   CheckInput(cloud.width > 0,
              fmt::format("{}: the cloud has {} points but no width and height; write it as an "
-                         "organised cloud, for example as PCD, or give its colour image, too",
+                         "organised cloud, for example as PCD, or give its color image, too",
                          name, ply.rows));
   RequireLayout(cloud.width, cloud.height, name);
   CheckInput(static_cast<size_t>(cloud.width) * cloud.height == ply.rows,

@@ -45,7 +45,7 @@ bool IsCloudFile(const std::filesystem::path& file);
 // the layout of an image.
 CloudFile ReadCloudFile(const std::filesystem::path& file, const CloudSize& size = {});
 
-// Returns the frame of a cloud with x, y, z in the camera frame and, optionally, colour (rgb or
+// Returns the frame of a cloud with x, y, z in the camera frame and, optionally, color (rgb or
 // rgba, or red, green and blue). `unit_m` is the length of one unit. The intrinsics are fitted to
 // the points. A point that is not a number has no reading. Throws InputError with `name` for clouds
 // without these fields, and for points that no pinhole camera shows in this layout.

@@ -66,7 +66,7 @@ Image<Axis> Blurred(Image<Axis> image, int reach) {
   return image;
 }
 
-// Directions of the colour gradients, times their strengths of 0..1.
+// Directions of the color gradients, times their strengths of 0..1.
 Image<Axis> ColorAxes(const RgbdFrame& frame) {
   const perception::ColorEdges edges = perception::FindColorEdges(frame.intrinsics, frame.color);
   Image<Axis> axes(edges.du.width(), edges.du.height(), Axis::Zero());
@@ -131,7 +131,7 @@ std::vector<DepthEdge> DepthEdges(const Image<float>& depth_m) {
   return edges;
 }
 
-// A place of the depth image over the colour image.
+// A place of the depth image over the color image.
 struct Place {
   double scale = 1;
   Eigen::Vector2d shift_px{0, 0};
@@ -152,7 +152,7 @@ double CornerDistance_px(const CameraIntrinsics& camera, const Place& a, const P
 }
 
 // Mean agreement of the directions. At a place of chance it is near 0, or somewhat above it if one
-// direction is frequent in both images. It is below 0 if the edges are across the colour edges.
+// direction is frequent in both images. It is below 0 if the edges are across the color edges.
 // Edges that leave the image do not count.
 double FitAt(const Image<Axis>& color, const std::vector<DepthEdge>& edges,
              const Eigen::Vector2d& center, const Place& place) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Compares the edges of a depth image with the edges of its colour image.
+// Compares the edges of a depth image with the edges of its color image.
 
 #include <Eigen/Core>
 #include <optional>
@@ -13,7 +13,7 @@ namespace pickbed::eval {
 // Reflections of the depth image.
 enum class DepthFlip { kNone, kColumns, kRows, kBoth };
 
-// Where the depth edges fit the colour edges best.
+// Where the depth edges fit the color edges best.
 struct EdgeAlignment {
   Eigen::Vector2d shift_px{0, 0};  // of the depth, at the principal point
   double scale = 1;                // of the depth about the principal point
@@ -30,7 +30,7 @@ struct EdgeAlignment {
 // 1.25. A scale other than 1 means that depth was registered with other intrinsics. Without a
 // scale, the shift is refined to one pixel. If no place is clearly better than others, it searches
 // reflected depth images. Returns nullopt if there is no clear place either, or if the frame has no
-// colour or few depth edges. Nothing can be said of such a frame.
+// color or few depth edges. Nothing can be said of such a frame.
 std::optional<EdgeAlignment> AlignEdges(const RgbdFrame& frame);
 
 }  // namespace pickbed::eval

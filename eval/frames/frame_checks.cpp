@@ -108,31 +108,31 @@ void CheckPrincipalPoint(const CameraIntrinsics& k, std::vector<FrameFinding>& f
 }
 
 void CheckEdges(const RgbdFrame& frame, std::vector<FrameFinding>& findings) {
-  // Colour that is moved by 8 px has a smaller fit in three real frames.
+  // Color that is moved by 8 px has a smaller fit in three real frames.
   constexpr double kMinFit = 0.9;
   // The usual error of a registration grows with the size of the image.
   const double min_corner_shift_px = 6 * std::max(1.0, frame.intrinsics.width() / 640.0);
   const std::optional<EdgeAlignment> found = AlignEdges(frame);
   if (!found || found->fit_here >= kMinFit) return;
   constexpr const char* kCheck =
-      "check that depth is registered to this colour image with its intrinsics";
+      "check that depth is registered to this color image with its intrinsics";
   if (found->flip != DepthFlip::kNone) {
     const char* how = found->flip == DepthFlip::kColumns ? "mirrored left to right"
                       : found->flip == DepthFlip::kRows  ? "mirrored top to bottom"
                                                          : "turned by 180 degrees";
     findings.push_back({FrameFault::kEdges, false,
-                        fmt::format("the depth edges contradict the colour edges: they fit when "
+                        fmt::format("the depth edges contradict the color edges: they fit when "
                                     "the depth image is {}; give both images in one orientation",
                                     how)});
     return;
   }
   if (found->CornerShift_px(frame.intrinsics) < min_corner_shift_px) return;
   const bool is_shift = found->scale == 1;
-  const std::string remedy = is_shift ? "; the colour image is moved accordingly"
+  const std::string remedy = is_shift ? "; the color image is moved accordingly"
                                       : fmt::format(" and scaled by {:.2f}", found->scale);
   FrameFinding finding{
       FrameFault::kEdges, false,
-      fmt::format("the depth edges contradict the colour edges: they fit when moved by ({:.0f}, "
+      fmt::format("the depth edges contradict the color edges: they fit when moved by ({:.0f}, "
                   "{:.0f}) px{}; {}",
                   found->shift_px.x(), found->shift_px.y(), remedy, kCheck)};
   if (is_shift) finding.color_move_px = (-found->shift_px).array().round().matrix().cast<int>();

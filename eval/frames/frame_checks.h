@@ -1,7 +1,7 @@
 #pragma once
 
 // Finds frames that cannot be what the user means: depth in another unit, a mesh in another unit,
-// or colour and depth of different images.
+// or color and depth of different images.
 
 #include <string>
 #include <vector>
@@ -23,7 +23,7 @@ struct FrameFinding {
   FrameFault fault = FrameFault::kNoReadings;
   bool is_error = false;  // else the frame is usable but doubtful
   std::string text;       // one line with the reason and a remedy
-  // Movement of the colour image after which its edges fit the depth edges; 0 = none is known.
+  // Movement of the color image after which its edges fit the depth edges; 0 = none is known.
   Eigen::Vector2i color_move_px{0, 0};
 };
 
@@ -34,11 +34,11 @@ struct FrameFinding {
 // - an object that is under 10 px wide at the nearest readings, or over twice the image at the
 //   farthest; doubtful under 20 px or over the image
 // - a principal point far from the center of the image (doubtful)
-// - depth edges that fit the colour edges elsewhere or reflected, see AlignEdges() (doubtful)
+// - depth edges that fit the color edges elsewhere or reflected, see AlignEdges() (doubtful)
 std::vector<FrameFinding> CheckFrame(const RgbdFrame& frame, const ObjectSet& objects,
                                      double depth_scale_mm);
 
-// Moves the colour image of a frame as its findings say. Pixels at the border are repeated, so that
+// Moves the color image of a frame as its findings say. Pixels at the border are repeated, so that
 // no edge arises.
 void RegisterColor(const std::vector<FrameFinding>& findings, RgbdFrame& frame);
 

@@ -98,7 +98,7 @@ void RequireSameSize(const FrameFiles& files, const std::filesystem::path& depth
   CheckInput(frame.color.empty() || (frame.color.width() == frame.depth_m.width() &&
                                      frame.color.height() == frame.depth_m.height()),
              fmt::format("{}: is {}x{} px but the depth image {} {}x{} px; give depth that is "
-                         "registered to the colour image",
+                         "registered to the color image",
                          files.image.string(), frame.color.width(), frame.color.height(),
                          depth.string(), frame.depth_m.width(), frame.depth_m.height()));
 }
@@ -135,7 +135,7 @@ FrameOfFiles ReadFrameFiles(const FrameFiles& files) {
                            "a file with them",
                            depth.string()));
     CheckInput(!is_only_depth || !HasColorChannels(depth),
-               fmt::format("{}: is a colour image, and poses are found in depth; give its depth "
+               fmt::format("{}: is a color image, and poses are found in depth; give its depth "
                            "image, too",
                            depth.string()));
     if (scale_mm <= 0) scale_mm = given->depth_scale_mm.value_or(0);

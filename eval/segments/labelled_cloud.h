@@ -11,7 +11,7 @@
 namespace pickbed::eval {
 
 struct LabelledCloud {
-  RgbdFrame frame;  // colour is empty if the file has none
+  RgbdFrame frame;  // color is empty if the file has none
   Image<uint16_t> labels;
 };
 

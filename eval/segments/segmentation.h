@@ -71,7 +71,7 @@ ResultColumns SegmentScoresColumns();
 std::string SegmentsCsv(std::span<const SegmentationRow> rows);
 ResultColumns SegmentsColumns();
 
-// Returns the picture with the segments as transparent colours, and the borders between labels as
+// Returns the picture with the segments as transparent colors, and the borders between labels as
 // lines. `labels` has the size of the picture; 0 = no segment.
 Image<Rgb8> SegmentOverlay(const Image<Rgb8>& picture, const Image<uint16_t>& labels);
 

@@ -17,7 +17,12 @@ using Eigen::Vector3d;
 
 std::unique_ptr<perception::ShapeCompleter> CompleterFor(const std::string& completion) {
   if (completion == kTrueShapes) return nullptr;
-  return perception::MakeCompleter(CompletionNamed(completion));
+  const perception::CompletionOptions options = CompletionNamed(completion);
+  std::vector<std::string> known = perception::CompleterNames();
+  const bool is_known = std::ranges::find(known, options.method) != known.end();
+  known.push_back(kTrueShapes);
+  CheckInput(is_known, UnknownNameMessage("completion method", completion, known));
+  return perception::MakeCompleter(options);
 }
 
 std::optional<KnownBackground> BackgroundOf(const grasp::PlannerInput& input) {

@@ -154,9 +154,9 @@ std::string WriteTrainingPage(const std::filesystem::path& folder, const Trainin
   html.Heading("Descriptors of held-out queries");
   picture("embedding.png",
           DrawEmbedding(report.answers, page.objects, kEmbeddingWidth_px, kEmbeddingHeight_px),
-          page.objects.size() == 1 ? "first two principal axes; colour: viewing direction in the "
+          page.objects.size() == 1 ? "first two principal axes; color: viewing direction in the "
                                      "object frame (x, y, z as red, green, blue)"
-                                   : "first two principal axes; colour: object");
+                                   : "first two principal axes; color: object");
   html.Heading("Nearest neighbours");
   picture("answers.png",
           DrawAnswers(report.answers, report.held_out, report.channels, page.objects, kAnswerTiles),
@@ -168,8 +168,8 @@ std::string WriteTrainingPage(const std::filesystem::path& folder, const Trainin
       std::string("a patch of a clutter scene and the same patch of the object without clutter: it "
                   "differs by sensor noise, clutter, holes, and a small rotation and shift. ") +
           (report.channels == PatchChannels::kDepthColor
-               ? "Colours of the image; the network also gets depth"
-               : "Colours show normals, darker is farther"));
+               ? "Colors of the image; the network also gets depth"
+               : "Colors show normals, darker is farther"));
   html.Heading("Seconds");
   html.Table(TimeTable(report));
   html.Heading("Settings");

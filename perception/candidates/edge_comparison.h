@@ -14,7 +14,7 @@ namespace pickbed::perception {
 // surface. Their sum is the probability that one of them is right. It stays, or becomes 1 if it is
 // larger, and the edges divide it. A pose whose mean edge support is a fraction f below the best
 // one with about as many visible edge points is exp(kEdgeWeight * f) times less likely, at most
-// exp(kMaxEdgeNats) times. Scores of other candidates stay, and all scores stay without a colour
+// exp(kMaxEdgeNats) times. Scores of other candidates stay, and all scores stay without a color
 // image.
 // - models, distances: by object index
 // - scores: one per candidate, 0 .. 1

@@ -61,8 +61,8 @@ std::vector<double> CandidateScores(const OrganizedCloud& cloud,
     const PoseHypothesis& hypothesis = candidate.hypothesis;
     const double score =
         verifiers[hypothesis.object].Score(candidate.features, options.mode, cloud.background);
-    const double diameter_px = cloud.intrinsics.fx() * models[hypothesis.object].diameter_m /
-                               std::max(1e-3, hypothesis.X_CO.translation().z());
+    const double diameter_px =
+        DiameterInImage_px(cloud.intrinsics, models[hypothesis.object].diameter_m, hypothesis.X_CO);
     const double outside_share =
         OutsideShare(cloud.intrinsics, models[hypothesis.object], hypothesis.X_CO);
     scores.push_back(Lowered(score, LogitPenalty(domain, diameter_px, outside_share)));
@@ -94,7 +94,7 @@ std::vector<PoseHypothesis> SelectPoses(const OrganizedCloud& cloud,
     });
     if (!known) kept.push_back(hypothesis);
   }
-  // The common colour of an object is estimated from poses of different instances.
+  // The common color of an object is estimated from poses of different instances.
   std::vector<PoseHypothesis> accepted =
       SuppressNonMaxima(cloud, models, kept, options.non_maximum_suppression);
   const CommonColors colors(cloud, models, accepted);

@@ -28,7 +28,7 @@ void CheckArguments(const RgbdFrame& frame, const CloudOptions& o) {
                          frame.depth_m.width(), frame.depth_m.height(), k.width(), k.height()));
   CheckInput(frame.color.empty() ||
                  (frame.color.width() == k.width() && frame.color.height() == k.height()),
-             fmt::format("colour image is {}x{} and depth image {}x{}: give the frame colour that "
+             fmt::format("color image is {}x{} and depth image {}x{}: give the frame color that "
                          "is registered to depth",
                          frame.color.width(), frame.color.height(), k.width(), k.height()));
   CheckSettings("CloudOptions", o);

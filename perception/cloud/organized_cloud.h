@@ -50,8 +50,8 @@ inline constexpr int kBackgroundKinds = 3;
 // Point cloud with the layout of the image; arrays have width * height entries, row by row.
 struct OrganizedCloud {
   CameraIntrinsics intrinsics;
-  Image<Rgb8> color;  // colour image of the frame; may be empty
-  ColorEdges edges;   // of the colour image before any binning; may be empty
+  Image<Rgb8> color;  // color image of the frame; may be empty
+  ColorEdges edges;   // of the color image before any binning; may be empty
   // Depth with single-pixel holes filled, smoothed by the plane fit where there is a normal;
   // 0 = unknown.
   Image<float> depth_m;
@@ -71,7 +71,7 @@ struct OrganizedCloud {
 };
 
 // Preprocesses a frame. With `background` the foreground is what is inside the bin; without it the
-// background planes are fitted. Throws InputError for a frame without depth, for a depth or colour
+// background planes are fitted. Throws InputError for a frame without depth, for a depth or color
 // image whose size differs from the intrinsics, and for options out of range.
 // With a `region` of the same size, only pixels where it is not 0 are foreground, and background
 // planes are fitted to these pixels. The others keep their depth, as evidence against poses. The

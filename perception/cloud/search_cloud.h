@@ -20,7 +20,7 @@ int BinningFor(const CameraIntrinsics& intrinsics, double distance_m, double sma
 
 // Returns the frame with each block of `factor` x `factor` pixels as one pixel. Its depth is the
 // mean of the readings near their median, and 0 if less than half of the block has readings. Its
-// colour is the mean of the block. Pixels right of and below the last whole block are dropped. The
+// color is the mean of the block. Pixels right of and below the last whole block are dropped. The
 // result is the same for any number of threads.
 RgbdFrame BinnedFrame(const RgbdFrame& frame, int factor, int threads = 1);
 

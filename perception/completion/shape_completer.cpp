@@ -70,12 +70,6 @@ Made MakeNearestShape(const CompletionOptions& o) {
   return std::make_unique<NearestShape>(families, kNearestShapeViews, o.cells);
 }
 
-std::vector<std::string> CompleterNames() {
-  std::vector<std::string> names;
-  for (const CompleterRow& row : CompleterTable()) names.push_back(row.name);
-  return names;
-}
-
 }  // namespace
 
 std::vector<CompletedVolume> ShapeCompleter::CompleteAll(std::span<const SegmentView> views) {
@@ -111,6 +105,12 @@ const std::vector<CompleterRow>& CompleterTable() {
       {"nearest_shape", "the true shape of the nearest of 2000 training views", MakeNearestShape},
   };
   return table;
+}
+
+std::vector<std::string> CompleterNames() {
+  std::vector<std::string> names;
+  for (const CompleterRow& row : CompleterTable()) names.push_back(row.name);
+  return names;
 }
 
 std::unique_ptr<ShapeCompleter> MakeCompleter(const CompletionOptions& options) {

@@ -43,6 +43,8 @@ struct CompleterRow {
 
 // Returns all methods.
 const std::vector<CompleterRow>& CompleterTable();
+// Returns the names of its rows.
+std::vector<std::string> CompleterNames();
 
 // Returns the method `options.method`. Throws InputError for an unknown method, and for a missing,
 // damaged or newer model file.

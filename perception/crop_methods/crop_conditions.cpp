@@ -124,7 +124,7 @@ double Occlude(const CropSources& sources, ObjectId object, double share,
   return best.hidden;
 }
 
-// Draws a tilted plane in the empty pixels. Its colour changes in brightness to one side.
+// Draws a tilted plane in the empty pixels. Its color changes in brightness to one side.
 void DrawWall(double z_m, Rng& rng, LabelledView& view) {
   constexpr double kSteepest = 0.5;
   const double slope_x = rng.Uniform(-kSteepest, kSteepest);

@@ -40,7 +40,7 @@ struct CropTest {
 };
 
 // Renders the object at these orientations, see CropPose(), under the condition.
-// - background: other objects are beside and behind the object, before a tilted, coloured wall
+// - background: other objects are beside and behind the object, before a tilted, colored wall
 // - occluded: another object of similar size is moved across the image, from a random direction,
 //   until it hides the share. The best of several samples is used.
 // No sensor noise is added at the seams of composed views.

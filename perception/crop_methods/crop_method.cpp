@@ -85,9 +85,9 @@ constexpr CropMethodRow kRows[] = {
      &MakeDefaultWohlhart},
     {"wohlhart_16", "the same with a descriptor of 16 values", &MakeShortWohlhart},
     {"wohlhart_depth", "the same from depth only", &MakeDepthWohlhart},
-    {"wohlhart_rgb", "the same from colour only", &MakeColorWohlhart},
+    {"wohlhart_rgb", "the same from color only", &MakeColorWohlhart},
     {"hog", "histograms of oriented gradients of depth and grey, OpenCV", &MakeHog},
-    {"linemod", "templates of colour gradients and surface normals, Hinterstoisser 2012, OpenCV",
+    {"linemod", "templates of color gradients and surface normals, Hinterstoisser 2012, OpenCV",
      &MakeLinemodMethod},
     {"random", "a random template, as the lower limit", &MakeRandom},
 };

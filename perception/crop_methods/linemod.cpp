@@ -33,7 +33,7 @@ cv::Mat WithBorder(const cv::Mat& image, int kind) {
   return wider;
 }
 
-// Returns colour (BGR) and depth (mm) as input of LINEMOD. Depth uses the pixel pitch of the
+// Returns color (BGR) and depth (mm) as input of LINEMOD. Depth uses the pixel pitch of the
 // enlarged crop, so that surface slopes are right for objects of any size.
 std::vector<cv::Mat> Sources(const CropSet& crops, size_t i) {
   cv::Mat color(kCropPixels, kCropPixels, CV_8UC3), depth(kCropPixels, kCropPixels, CV_16U);

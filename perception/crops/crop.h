@@ -30,7 +30,7 @@ struct CropSpot {
 // Crops stored one after the other, row by row.
 struct CropSet {
   std::vector<int16_t> depth;   // count x 64 x 64
-  std::vector<Rgb8> color;      // same size; black if the frame has no colour
+  std::vector<Rgb8> color;      // same size; black if the frame has no color
   std::vector<uint8_t> masks;   // same size, 1 = the object; empty if the mask is unknown
   std::vector<CropSpot> spots;  // one per crop
   size_t size() const { return spots.size(); }

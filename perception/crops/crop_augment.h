@@ -10,7 +10,7 @@
 namespace pickbed::perception {
 
 struct CropAugmentOptions {
-  // Share of crops with a background of fractal noise in depth and colour (Wohlhart and Lepetit,
+  // Share of crops with a background of fractal noise in depth and color (Wohlhart and Lepetit,
   // CVPR 2015, 4.1). The others keep an empty background.
   double background_share = 0.5;
   double occluded_share = 0.7;  // share of crops with an occluder, cut from another crop

@@ -12,7 +12,7 @@ namespace pickbed::perception {
 namespace {
 
 constexpr int8_t kFar = 127;
-constexpr float kBrightest = 255;  // maximum of a colour channel
+constexpr float kBrightest = 255;  // maximum of a color channel
 
 // Pixel index of each grid point of the patch, -1 = outside the image. The grid is in the plane z =
 // 0 of P. Its projection is a homography, evaluated row by row in plain arrays so that the compiler
@@ -80,7 +80,7 @@ void FillPatch(const OrganizedCloud& cloud, const GridPixels& pixels, const Eige
 }  // namespace
 
 const char* NameOf(PatchChannels channels) {
-  return channels == PatchChannels::kDepthColor ? "depth and colour" : "depth and normals";
+  return channels == PatchChannels::kDepthColor ? "depth and color" : "depth and normals";
 }
 
 double PatchSide(double diameter_m, double patch_diameters) {
@@ -103,7 +103,7 @@ Pose PatchFrame(const Eigen::Vector3d& point_C, double angle_rad) {
 void RequireChannels(const OrganizedCloud& cloud, PatchChannels channels) {
   if (channels != PatchChannels::kDepthColor) return;
   CheckInput(!cloud.color.empty(),
-             "the network was trained on depth and colour, but the frame has no colour image; give "
+             "the network was trained on depth and color, but the frame has no color image; give "
              "it one or use a model with network.autoencoder.channels depth_normals");
 }
 

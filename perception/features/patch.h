@@ -14,10 +14,10 @@
 //       y
 //
 // Channel 0 is the depth along the ray relative to the origin of P, divided by half the side and
-// clipped to [-1, 1]. Channels 1 to 3 are the normal in P (x, y, z), or colour (red, green, blue;
+// clipped to [-1, 1]. Channels 1 to 3 are the normal in P (x, y, z), or color (red, green, blue;
 // -1 = 0, 1 = 255). Unknown and background pixels have depth +1 (far) and 0 in channels 1 to 3,
 // i.e. no normal or medium grey; this removes a known bin. Values are stored as round(127 v).
-// Scaling by depth and the colour channels follow Kehl et al., ECCV 2016. Normals are used because
+// Scaling by depth and the color channels follow Kehl et al., ECCV 2016. Normals are used because
 // grey values add no information on bare metal.
 
 #include <cstdint>
@@ -38,7 +38,7 @@ inline constexpr int kPatchValues = kPatchChannels * kPatchArea;
 // Channels 1 to 3 of a patch; channel 0 is always depth.
 enum class PatchChannels { kDepthNormals, kDepthColor };
 
-// Display name: "depth and normals" or "depth and colour".
+// Display name: "depth and normals" or "depth and color".
 const char* NameOf(PatchChannels channels);
 
 // Physical side and channels of a patch.
@@ -65,7 +65,7 @@ double PatchSide(double diameter_m, double patch_diameters);
 // Returns X_CP, the patch frame at a point that the camera sees.
 Pose PatchFrame(const Eigen::Vector3d& point_C, double angle_rad);
 
-// Throws InputError if the channels contain colour and the cloud has none.
+// Throws InputError if the channels contain color and the cloud has none.
 void RequireChannels(const OrganizedCloud& cloud, PatchChannels channels);
 
 // Cuts one patch per pixel index; each pixel must have a point. `angles_rad` holds one in-plane
@@ -76,7 +76,7 @@ PatchSet CutPatches(const OrganizedCloud& cloud, std::span<const int> pixels,
 // Whether a patch has no reading, or only a far one, at a pixel (0 to kPatchArea - 1).
 bool IsUnknownAt(std::span<const int8_t> patch, int pixel);
 
-// Returns the colour of a kDepthColor patch at a pixel.
+// Returns the color of a kDepthColor patch at a pixel.
 Rgb8 PatchColorAt(std::span<const int8_t> patch, int pixel);
 
 }  // namespace pickbed::perception

@@ -16,7 +16,7 @@
 
 namespace pickbed::perception {
 
-// Surface points of one object with precomputed visibility, distance field and colours.
+// Surface points of one object with precomputed visibility, distance field and colors.
 struct ModelPoints {
   // Evenly spread over the surface. The first n points are also even for every n, so a caller that
   // needs fewer points uses the first n.
@@ -30,7 +30,7 @@ struct ModelPoints {
   float radius_m = 0;                                  // of the bounding ball about center_O
   float area_per_point_m2 = 0;
   DistanceField distance;  // distance to the surface, up to 15 mm away from it
-  SurfaceTexture texture;  // colours of points_O
+  SurfaceTexture texture;  // colors of points_O
   std::vector<EdgePoint> edges;
 
   // Returns the visible points of an object at X_CO, for the nearest of the viewing directions.
@@ -42,7 +42,7 @@ struct ModelPoints {
 // directions.
 ModelPoints MakeModelPoints(const ObjectModel& model, int points = 1500, int directions = 200);
 
-// A model point that is visible in the image, where model and image colours can be compared.
+// A model point that is visible in the image, where model and image colors can be compared.
 struct SeenPoint {
   int point = 0;  // index into ModelPoints::points_O
   int pixel = 0;  // index into the image, row by row

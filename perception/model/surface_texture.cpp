@@ -83,7 +83,7 @@ int SideOf(const Eigen::Vector3f& normal_O) {
   return 2 * axis + (normal_O[axis] < 0 ? 1 : 0);
 }
 
-// Model and image colours at the visible points, by side and channel.
+// Model and image colors at the visible points, by side and channel.
 struct ColorSamples {
   int points = 0;
   std::array<std::array<Moments, 3>, kSides> sides;
@@ -104,7 +104,7 @@ ColorSamples ColorSamplesAt(const OrganizedCloud& cloud, const ModelPoints& mode
 
 std::optional<double> CorrelationOf(const ColorSamples& samples) {
   constexpr int kMinPoints = 40;
-  constexpr double kMinVariance = 3 * 20.0 * 20.0;  // of the model colours, all channels
+  constexpr double kMinVariance = 3 * 20.0 * 20.0;  // of the model colors, all channels
   constexpr double kPointsPerSample = 4;            // neighbouring points are correlated
   if (samples.points < kMinPoints) return {};
   double expected = 0, seen = 0, both = 0;
@@ -116,8 +116,7 @@ std::optional<double> CorrelationOf(const ColorSamples& samples) {
     }
   }
   if (expected < kMinVariance * samples.points) return {};
-  const double even =
-      std::max(1.0 * samples.points, seen);  // an image of one colour has variance 0
+  const double even = std::max(1.0 * samples.points, seen);  // an image of one color has variance 0
   return both / std::sqrt(expected * even) + 1 / std::sqrt(samples.points / kPointsPerSample);
 }
 

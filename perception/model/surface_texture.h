@@ -1,6 +1,6 @@
 #pragma once
 
-// Surface texture of an object, for example a label or a printed side. With a colour camera it
+// Surface texture of an object, for example a label or a printed side. With a color camera it
 // distinguishes the object from a distractor of the same shape, which depth cannot.
 
 #include <Eigen/Core>
@@ -16,7 +16,7 @@ namespace pickbed::perception {
 
 struct ModelPoints;
 
-// Colours of an object's model points.
+// Colors of an object's model points.
 struct SurfaceTexture {
   std::vector<Eigen::Vector3f> colors;  // of ModelPoints::points_O, 0..255; empty = no texture
   // Symmetries of the shape, identity first. Depth does not distinguish these poses, so the image
@@ -24,17 +24,17 @@ struct SurfaceTexture {
   std::vector<Pose> symmetries_O;
 };
 
-// Returns the colours at surface samples. `points` are in frame O; points[i] is on the mesh
-// triangle triangles[i]. Texture colours are averaged over the footprint of one pixel for an object
+// Returns the colors at surface samples. `points` are in frame O; points[i] is on the mesh
+// triangle triangles[i]. Texture colors are averaged over the footprint of one pixel for an object
 // about 60 pixels wide.
 SurfaceTexture MakeSurfaceTexture(const ObjectModel& model, std::span<const Eigen::Vector3d> points,
                                   std::span<const int> triangles);
 
-// Returns the Pearson correlation between model and image colours over the visible points at X_CO,
+// Returns the Pearson correlation between model and image colors over the visible points at X_CO,
 // the maximum over the symmetric poses. Its standard error is added, so that few points give weak
 // evidence against a pose. Each channel of each side of the object is relative to its own mean, so
 // strength and tint of the light do not matter. Returns nothing if the object or the image has no
-// colours, or if any symmetric pose shows too few points or too little contrast.
+// colors, or if any symmetric pose shows too few points or too little contrast.
 std::optional<double> TextureCorrelation(const OrganizedCloud& cloud, const ModelPoints& model,
                                          const Pose& X_CO);
 

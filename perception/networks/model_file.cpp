@@ -119,7 +119,7 @@ std::string CommandFor(const ObjectSet& objects, const std::string& command) {
 
 namespace {
 
-// Returns whether a coloured object has the shape of an object that was trained without colours.
+// Returns whether a colored object has the shape of an object that was trained without colors.
 bool IsSameShape(const ModelObject& trained, const ObjectModel& object) {
   const TriangleMesh& mesh_O = object.mesh_O;
   if (mesh_O.colors.empty() && mesh_O.uvs.empty()) return false;

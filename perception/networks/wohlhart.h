@@ -27,7 +27,7 @@ struct WohlhartOptions {
   std::string input = "rgbd";  // depth | rgb | rgbd: 1, 3 or 4 channels
   int descriptor = 32;         // length of the descriptor
   // Half of the depth range around the crop center, over the crop's side, 0.1..1. Readings outside
-  // the range do not show the object: depth is clamped to the range, and colour (input rgbd) is set
+  // the range do not show the object: depth is clamped to the range, and color (input rgbd) is set
   // to 0. Input rgb has no depth and uses all pixels.
   double depth_reach = 0.5;
   double margin = 0.01;            // m of eq. 2

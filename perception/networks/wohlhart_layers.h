@@ -40,7 +40,7 @@ struct WohlhartLayers : torch::nn::Module {
 };
 
 // Returns the `count` crops from `begin` as a tensor count x channels x 64 x 64. Depth is divided
-// by depth_reach and clamped to [-1, 1]. Colour is value / 255 - 0.5 as in the released code, and 0
+// by depth_reach and clamped to [-1, 1]. Color is value / 255 - 0.5 as in the released code, and 0
 // beyond the reach if the input has depth.
 at::Tensor WohlhartTensor(const CropSet& crops, int64_t begin, int64_t count,
                           const WohlhartOptions& options, const torch::Device& device);

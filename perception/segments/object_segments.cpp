@@ -192,7 +192,7 @@ SegmenterOptions DepthSteps() {
 
 constexpr std::array<SegmenterRow, 3> kSegmenters{{
     {"convexity", "objects end at steps in depth and at concave borders", Convexity},
-    {"convexity_color", "like convexity, and objects end at edges of colour", ConvexityAndColor},
+    {"convexity_color", "like convexity, and objects end at edges of color", ConvexityAndColor},
     {"depth_steps", "objects end at steps in depth only", DepthSteps},
 }};
 
@@ -211,9 +211,9 @@ void SegmenterOptions::Visit(SettingsVisitor& v) {
   v.Real("concave_weight", concave_weight, weight,
          "limit of the weight of a concave border; 0 = convexity is ignored");
   v.Real("step_weight", step_weight, weight, "weight of a step in depth");
-  v.Real("color_weight", color_weight, weight, "weight of an edge of colour; 0 = it is ignored");
+  v.Real("color_weight", color_weight, weight, "weight of an edge of color; 0 = it is ignored");
   v.Real("color_step", color_step, {0.001, 1},
-         "difference of two colours that counts as a full edge, share of the range");
+         "difference of two colors that counts as a full edge, share of the range");
   v.Integer("max_width_px", max_width_px, {16, 100000},
             "width from which an image is binned before segmentation, px");
   v.Integer("join_px", join_px, {0, 1e6},

@@ -35,8 +35,8 @@ struct SegmenterOptions {
   double convex_weight = 0.6;   // weight of a sharp convex border, relative to a smooth one
   double concave_weight = 1.5;  // limit of the weight of concave borders; 0 = convexity is ignored
   double step_weight = 1.0;     // weight of a step in depth
-  double color_weight = 0;      // weight of a colour edge; 0 = colour is ignored
-  double color_step = 0.25;     // difference of colours, 0..1, that counts as a full edge
+  double color_weight = 0;      // weight of a color edge; 0 = color is ignored
+  double color_step = 0.25;     // difference of colors, 0..1, that counts as a full edge
   int max_width_px = 800;       // wider images are binned before segmentation
   int join_px = 200;            // smaller segments are joined with a neighbour
   int min_px = 50;              // segments that are still smaller are left out
@@ -73,7 +73,7 @@ ObjectSegments SegmentCloud(const OrganizedCloud& cloud, const SegmenterOptions&
 
 // Removes the background of a frame and divides the rest into segments, at the resolution of the
 // frame. Floor and walls of a known bin are removed; without one, they are fitted. A frame without
-// colour is segmented by its depth. Throws InputError as BuildCloud() does.
+// color is segmented by its depth. Throws InputError as BuildCloud() does.
 ObjectSegments SegmentFrame(const RgbdFrame& frame,
                             const std::optional<KnownBackground>& background,
                             const SegmenterOptions& options = {});

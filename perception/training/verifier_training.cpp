@@ -158,7 +158,7 @@ VerifierTrainingSet VerifierScenes(LabelledViewSource& views, ObjectId object, b
       const int count = around == Surroundings::kNone ? options.views_per_scene : kViewsPerRoom;
       const ClutterSceneRequest request{rng.Next(), count, object, true, around};
       for (LabelledView& view : views.ClutterScene(request)) {
-        // The colour image takes a third of the memory.
+        // The color image takes a third of the memory.
         if (!color) view.frame.color = {};
         to.push_back(std::move(view));
       }

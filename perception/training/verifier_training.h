@@ -73,7 +73,7 @@ VerifierTrainingSet MakeVerifierTrainingSet(LabelledViewSource& views, ObjectId 
                                             const VerifierTrainingOptions& options,
                                             const std::function<bool(double share)>& on_share);
 
-// Returns the views of clutter scenes and rooms, without colour images unless `color` is set.
+// Returns the views of clutter scenes and rooms, without color images unless `color` is set.
 // on_share receives the progress, 0..1, and returns false to stop; there are then fewer views.
 VerifierTrainingSet VerifierScenes(LabelledViewSource& views, ObjectId object, bool color,
                                    const VerifierTrainingOptions& options,

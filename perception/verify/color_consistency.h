@@ -1,7 +1,7 @@
 #pragma once
 
-// Colour consistency: the instances of one object in an image have one colour. A pose whose pixels
-// have a different colour is probably on a distractor. Neither the colour of the object nor the
+// Color consistency: the instances of one object in an image have one color. A pose whose pixels
+// have a different color is probably on a distractor. Neither the color of the object nor the
 // light has to be known.
 
 #include <Eigen/Core>
@@ -16,19 +16,19 @@
 
 namespace pickbed::perception {
 
-// Common colour of the instances of each object in one image. It compares the chromaticity, which
+// Common color of the instances of each object in one image. It compares the chromaticity, which
 // does not depend on shading or light strength.
 class CommonColors {
  public:
-  // Estimates the colours from the `accepted` hypotheses, which must show different instances.
+  // Estimates the colors from the `accepted` hypotheses, which must show different instances.
   // Nothing is known about an object with few accepted hypotheses, and about any object if the
-  // image has no colour. `models` is by object index. Cloud and models must outlive this object.
+  // image has no color. `models` is by object index. Cloud and models must outlive this object.
   CommonColors(const OrganizedCloud& cloud, const std::vector<ModelPoints>& models,
                std::span<const PoseHypothesis> accepted);
 
-  // Lowers the score of a hypothesis whose colour differs from the other instances of its object,
+  // Lowers the score of a hypothesis whose color differs from the other instances of its object,
   // and returns whether it did. The distance is in units of the object's own spread: if instances
-  // differ in colour, no pose is lowered. Textured objects (see surface_texture.h) are never
+  // differ in color, no pose is lowered. Textured objects (see surface_texture.h) are never
   // lowered, because their sides differ.
   bool LowerIfOdd(PoseHypothesis& hypothesis) const;
 

@@ -19,7 +19,7 @@ struct EdgeSupport {
 inline constexpr float kMaxGradient = 6;
 
 // Measures the edge points that face the camera and have no nearer surface in front of them. Both
-// results are 0 for an image without colour. Does not allocate.
+// results are 0 for an image without color. Does not allocate.
 EdgeSupport MeasureEdgeSupport(const OrganizedCloud& cloud, const ModelPoints& model,
                                const Pose& X_CO);
 

@@ -72,6 +72,11 @@ double OutsideShare(const CameraIntrinsics& camera, const ModelPoints& model, co
   return static_cast<double>(outside) / static_cast<double>(visible.size());
 }
 
+double DiameterInImage_px(const CameraIntrinsics& camera, double diameter_m, const Pose& X_CO) {
+  constexpr double kNearest_m = 1e-3;
+  return camera.fx() * diameter_m / std::max(kNearest_m, X_CO.translation().z());
+}
+
 double LogitPenalty(const ImageDomain& domain, double diameter_px, double outside_share) {
   constexpr double kNatsPerExcess = 2;
   return kNatsPerExcess *

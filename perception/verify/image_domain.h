@@ -39,6 +39,10 @@ ImageDomain DomainOf(const OrganizedCloud& cloud);
 // the image, 0..1.
 double OutsideShare(const CameraIntrinsics& camera, const ModelPoints& model, const Pose& X_CO);
 
+// Returns the diameter of an object at X_CO in the image, px. An object less than 1 mm in front of
+// the camera counts as 1 mm in front of it.
+double DiameterInImage_px(const CameraIntrinsics& camera, double diameter_m, const Pose& X_CO);
+
 // Returns by how much the logit of a score is lowered, >= 0: the sum of the relative excesses over
 // the ranges. It never falls with more holes, more noise, more tilt, a smaller diameter or a larger
 // share of the object outside the image.

@@ -1,6 +1,6 @@
 #pragma once
 
-// Output of a depth camera: colour registered to depth, and the intrinsics of both.
+// Output of a depth camera: color registered to depth, and the intrinsics of both.
 
 #include "scenes/camera/camera.h"
 #include "scenes/image/image.h"

@@ -41,7 +41,7 @@ void CheckConsistency(const TriangleMesh& mesh) {
   }
   const auto fits = [&](size_t size) { return size == 0 || size == mesh.vertices.size(); };
   CheckInput(fits(mesh.normals.size()) && fits(mesh.uvs.size()) && fits(mesh.colors.size()),
-             "normals, uvs or colours do not fit the vertices");
+             "normals, uvs or colors do not fit the vertices");
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ TriangleMesh MeshFromBytes(std::string_view bytes) {
   reader.RequireEnd();
   CheckInput(base.size() == 1 && size.size() == 2 && size[0] >= 0 && size[1] >= 0 &&
                  static_cast<int64_t>(size[0]) * size[1] == static_cast<int64_t>(texels.size()),
-             "the colours of a mesh are damaged");
+             "the colors of a mesh are damaged");
   mesh.base_color = base[0];
   if (!texels.empty()) {
     mesh.texture = Image<Rgb8>(size[0], size[1]);

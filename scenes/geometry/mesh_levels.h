@@ -20,7 +20,7 @@ struct MeshLevel {
 // triangles of the previous one. A mesh with fewer than 64 triangles gets no coarser level.
 //
 // The normals of a coarser level are computed again; an edge of more than 40 degrees stays sharp.
-// The remaining vertices keep their colours and uvs.
+// The remaining vertices keep their colors and uvs.
 std::vector<MeshLevel> MakeMeshLevels(const TriangleMesh& mesh);
 
 // Returns the mesh with fewer triangles, within `tolerance_m` of the original surface. Normals are

@@ -24,7 +24,7 @@ struct SymmetryOptions {
 };
 
 // Returns the symmetries in the mesh's frame O. discrete_O is the complete group without the
-// identity and without rotations about the continuous axes. Two continuous axes mean a ball. Colour
+// identity and without rotations about the continuous axes. Two continuous axes mean a ball. Color
 // is ignored. Throws InputError when the mesh has no area.
 SymmetrySet FindSymmetries(const TriangleMesh& mesh, const SymmetryOptions& options = {});
 

@@ -52,7 +52,7 @@ TriangleMesh Transformed(const TriangleMesh& mesh_B, const Pose& X_AB);
 TriangleMesh Scaled(const TriangleMesh& mesh, double factor);  // factor > 0
 
 // Appends `other` (not the same object as `mesh`). Normals are kept if both meshes have them, and
-// uvs if both have the same texture. Base colours become vertex colours if they differ.
+// uvs if both have the same texture. Base colors become vertex colors if they differ.
 void Append(const TriangleMesh& other, TriangleMesh& mesh);
 
 // Points on a surface, in the mesh's frame.
@@ -64,7 +64,7 @@ struct SurfaceSamples {
 // Draws `count` samples uniformly over the surface. Throws InputError when the mesh has no area.
 SurfaceSamples SampleSurface(const TriangleMesh& mesh, int count, Rng& rng);
 
-// Returns a hash of the vertex and triangle bytes, without colour. It is the key of every cache and
+// Returns a hash of the vertex and triangle bytes, without color. It is the key of every cache and
 // model file.
 uint64_t MeshHash(const TriangleMesh& mesh);
 

@@ -9,7 +9,7 @@
 
 namespace pickbed::scenes {
 
-// An sRGB colour with 8 bits per channel.
+// An sRGB color with 8 bits per channel.
 struct Rgb8 {
   uint8_t r = 0, g = 0, b = 0;
   friend bool operator==(const Rgb8&, const Rgb8&) = default;

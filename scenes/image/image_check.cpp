@@ -46,7 +46,7 @@ uint64_t BytesOfRows(uint64_t width, uint64_t height, uint64_t bits) {
 // the header has no valid form or more than kMaxPixels.
 uint64_t PngDataBytes(std::string_view header) {
   constexpr size_t kHeader = 13;
-  constexpr std::array<uint64_t, 7> kChannels{1, 0, 3, 1, 2, 0, 4};  // of the colour types
+  constexpr std::array<uint64_t, 7> kChannels{1, 0, 3, 1, 2, 0, 4};  // of the color types
   if (header.size() != kHeader) return 0;
   const auto byte = [&](size_t i) { return static_cast<unsigned char>(header[i]); };
   const uint64_t width = BigEndian32(header), height = BigEndian32(header.substr(4));

@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads and writes PNG images: 8-bit colour, 8-bit masks and 16-bit depth. Encodes JPEG for pages.
+// Reads and writes PNG images: 8-bit color, 8-bit masks and 16-bit depth. Encodes JPEG for pages.
 
 #include <filesystem>
 #include <string>

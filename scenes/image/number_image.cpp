@@ -56,7 +56,7 @@ void CopyPixels(const cv::Mat& pixels, Image<float>& values) {
 NumberImage FromPixels(const cv::Mat& pixels, const std::string& name) {
   CheckInput(pixels.channels() == 1,
              "cannot read '" + name + "' as depth: it has " + std::to_string(pixels.channels()) +
-                 " channels; give the image whose pixels are distances, not its colours");
+                 " channels; give the image whose pixels are distances, not its colors");
   NumberImage image;
   image.values = Image<float>(pixels.cols, pixels.rows);
   image.bits = static_cast<int>(8 * pixels.elemSize1());

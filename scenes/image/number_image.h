@@ -21,7 +21,7 @@ struct NumberImage {
 // InputError with the path and the reason for other files, and for an image with several channels.
 NumberImage ReadNumberImage(const std::filesystem::path& path);
 
-// Returns whether the file is an image with several channels, such as a colour image. False for
+// Returns whether the file is an image with several channels, such as a color image. False for
 // files that are no image, and for NumPy arrays.
 bool HasColorChannels(const std::filesystem::path& path);
 

@@ -58,7 +58,7 @@ Rgb8 ToRgb(const aiColor4D& c) { return {ToByte(c.r), ToByte(c.g), ToByte(c.b)};
 
 // ---- Materials ----
 
-// Loads each colour texture of a file once and finds it by name.
+// Loads each color texture of a file once and finds it by name.
 class TextureLoader {
  public:
   // `used` receives the names of the files that were looked for.
@@ -130,7 +130,7 @@ class TextureLoader {
   std::vector<Image<Rgb8>> images_;
 };
 
-// Returns the material's colour, or the mesh's default colour if the file defines none. In this
+// Returns the material's color, or the mesh's default color if the file defines none. In this
 // case assimp gives a material with its default name or, also for a missing .mtl, a grey of 0.6.
 Rgb8 BaseColor(const aiMaterial& material) {
   const aiColor4D unstated(0.6f, 0.6f, 0.6f, 1.f);
@@ -211,7 +211,7 @@ void CollectSubmeshes(const aiScene& scene, const aiNode& node, const Eigen::Aff
   }
 }
 
-// Replaces a texture by vertex colours, for files with several textures.
+// Replaces a texture by vertex colors, for files with several textures.
 void BakeTexture(const Image<Rgb8>& texture, TriangleMesh& mesh) {
   mesh.colors.clear();
   for (const Eigen::Vector2d& uv : mesh.uvs) {
@@ -223,7 +223,7 @@ void BakeTexture(const Image<Rgb8>& texture, TriangleMesh& mesh) {
   mesh.uvs.clear();
 }
 
-// Joins the submeshes into one mesh. A mesh has only one texture, so several become vertex colours.
+// Joins the submeshes into one mesh. A mesh has only one texture, so several become vertex colors.
 TriangleMesh Joined(std::vector<Submesh> submeshes, const TextureLoader& loader) {
   const bool one_texture = std::all_of(
       submeshes.begin(), submeshes.end(),

@@ -232,7 +232,7 @@ InspectedMesh InspectMeshFile(const fs::path& file, const std::string& unit, boo
   DescribeOrigin(file.string(), center, inspected);
   for (const std::string& name : MissingCompanions(file)) {
     inspected.notes.push_back(
-        fmt::format("'{}' is missing: without it the object is drawn in a plain colour", name));
+        fmt::format("'{}' is missing: without it the object is drawn in a plain color", name));
   }
   return inspected;
 }

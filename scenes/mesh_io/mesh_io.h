@@ -24,9 +24,9 @@ struct MeshLoadReport {
 
 // Loads all meshes of a file as one, applies node transforms and scales to metres.
 // - Triangles with two corners at the same place are dropped. Vertices at the same place are joined
-//   if they agree in normal, uv and colour.
+//   if they agree in normal, uv and color.
 // - Normals are dropped if they equal the face normals (flat faces) or are not all of unit length.
-//   Uvs without a readable texture are dropped. Several textures become vertex colours. A missing
+//   Uvs without a readable texture are dropped. Several textures become vertex colors. A missing
 //   texture or .mtl is not an error.
 // - Coordinates are read as 32-bit floats (6e-9 m at 0.1 m) and keep the file's own axes: Collada's
 //   up_axis and glTF's y-up do not rotate the object. glTF is in metres and Collada's <unit> is
@@ -36,8 +36,8 @@ struct MeshLoadReport {
 TriangleMesh LoadMesh(const std::filesystem::path& path, const std::string& unit = "m",
                       MeshLoadReport* report = nullptr);
 
-// Writes an OBJ with 10 decimals and the mesh's normals, uvs and vertex colours, if it has them.
-// Also writes NAME.mtl for a texture or base colour and NAME.png for a texture. The same mesh gives
+// Writes an OBJ with 10 decimals and the mesh's normals, uvs and vertex colors, if it has them.
+// Also writes NAME.mtl for a texture or base color and NAME.png for a texture. The same mesh gives
 // the same bytes. Throws InputError when a file cannot be written.
 void SaveObj(const std::filesystem::path& path, const TriangleMesh& mesh);
 

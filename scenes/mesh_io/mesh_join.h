@@ -21,13 +21,13 @@ void DropFlatNormals(TriangleMesh& mesh);
 // Returns whether all normals are of unit length; true if there are none.
 bool NormalsAreUnit(const TriangleMesh& mesh);
 
-// Joins vertices that are exactly equal in place, normal, uv and colour, in the order in which the
+// Joins vertices that are exactly equal in place, normal, uv and color, in the order in which the
 // triangles use them. Unused vertices are dropped. Joining by distance would merge fine detail;
 // assimp does so below 10 micrometres.
 TriangleMesh WithEqualVerticesJoined(const TriangleMesh& mesh);
 
-// Returns the hashes (MeshHash) that the mesh has without colours and texture: with its normals,
-// and without them. Colours split vertices, so the hash of the coloured mesh is another one.
+// Returns the hashes (MeshHash) that the mesh has without colors and texture: with its normals,
+// and without them. Colors split vertices, so the hash of the colored mesh is another one.
 std::array<uint64_t, 2> UncoloredHashes(TriangleMesh mesh);
 
 }  // namespace pickbed::scenes

@@ -65,7 +65,7 @@ struct WordLimits {
   size_t min = 1, max = SIZE_MAX;
 };
 
-// A vertex can have a weight or a colour, or both.
+// A vertex can have a weight or a color, or both.
 WordLimits LimitsOf(std::string_view kind) {
   if (kind == "v") return {3, 7};
   if (kind == "vn") return {3, 3};

@@ -99,7 +99,7 @@ void RequireFilled(std::span<const GlbPart> glb_parts, std::span<const GlbCloud>
   }
   for (const GlbCloud& cloud : clouds) {
     if (cloud.points_W.empty() || cloud.rgb.size() != cloud.points_W.size()) {
-      throw std::logic_error("cloud '" + cloud.name + "' of a GLB has no points or no colours");
+      throw std::logic_error("cloud '" + cloud.name + "' of a GLB has no points or no colors");
     }
   }
   std::set<std::string> names;
@@ -243,7 +243,7 @@ static_assert(std::endian::native == std::endian::little,
 
 std::string PlyCloudBytes(std::span<const Eigen::Vector3f> points,
                           std::span<const Eigen::Vector3f> rgb) {
-  if (points.size() != rgb.size()) throw std::logic_error("a PLY needs a colour for each point");
+  if (points.size() != rgb.size()) throw std::logic_error("a PLY needs a color for each point");
   std::string bytes = fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
       "property float x\nproperty float y\nproperty float z\n"

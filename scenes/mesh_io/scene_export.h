@@ -1,6 +1,6 @@
 #pragma once
 
-// Exports scenes for 3D viewers: meshes at their poses and coloured point clouds as one binary
+// Exports scenes for 3D viewers: meshes at their poses and colored point clouds as one binary
 // glTF 2.0 file, and point clouds as PLY.
 
 #include <Eigen/Core>
@@ -13,18 +13,18 @@
 
 namespace pickbed::scenes {
 
-// A mesh at a pose. Colours here are sRGB, 0..1. The file contains linear colours, as glTF
+// A mesh at a pose. Colors here are sRGB, 0..1. The file contains linear colors, as glTF
 // requires.
 struct GlbPart {
   std::string name;
   const TriangleMesh* mesh = nullptr;  // in its own frame, m; not null, at least one triangle
   Pose X_W = Pose::Identity();         // pose of the mesh's frame in the world
-  Eigen::Vector4f rgba = Eigen::Vector4f::Ones();  // replaces the mesh's own colours
+  Eigen::Vector4f rgba = Eigen::Vector4f::Ones();  // replaces the mesh's own colors
   // Poses of the animation, one per frame, the first at time 0; empty = at rest at X_W.
   std::vector<Pose> track_W = {};
 };
 
-// A coloured point cloud.
+// A colored point cloud.
 struct GlbCloud {
   std::string name;
   std::vector<Eigen::Vector3f> points_W;  // m; at least one
@@ -33,9 +33,9 @@ struct GlbCloud {
 
 // Returns the bytes of a .glb file. The root node "world" rotates the world's z up to glTF's y up.
 // Its children are one node for each part and cloud, in order, with the name and the pose as a
-// matrix. Parts with the same mesh and colour share the geometry and a material with the name of
+// matrix. Parts with the same mesh and color share the geometry and a material with the name of
 // the first. Coordinates are 32-bit floats. The same input gives the same bytes. Throws
-// std::logic_error when the scene, a mesh or a cloud is empty or colours are missing.
+// std::logic_error when the scene, a mesh or a cloud is empty or colors are missing.
 //
 // If a part has a track, the file holds one animation "motion" whose frames are `frame_s` apart. A
 // viewer interpolates between them. Names of parts with a track must be unique, else

@@ -72,7 +72,7 @@ std::vector<ConvexPiece> LoadConvexPieces(const std::filesystem::path& path,
       Eigen::Vector3d v;
       words >> v.x() >> v.y() >> v.z();
       check(!words.fail() && v.allFinite(), "'v' needs three numbers");
-      for (std::string more; words >> more && more.front() != '#';) {  // a weight or a colour
+      for (std::string more; words >> more && more.front() != '#';) {  // a weight or a color
         check(IsNumber(more), fmt::format("'{}' follows the three numbers of 'v'", OneLine(more)));
       }
       check(v.cwiseAbs().maxCoeff() < kMaxCoordinate,

@@ -9,7 +9,7 @@
 
 namespace pickbed::scenes {
 
-// Makes the object from its mesh, density, colour and friction. Its symmetries, convex pieces and
+// Makes the object from its mesh, density, color and friction. Its symmetries, convex pieces and
 // resting poses are left out.
 ObjectModel SampledObject(const std::string& name, const SampledShape& shape);
 

@@ -84,7 +84,7 @@ Image<Rgb8> CartonSheet() {
   for (int i = 0; i < 15; ++i) {
     FillBox(sheet, back + 47 + 2 * i + i % 3 / 2, 107, 1 + i % 2, 20, ink);
   }
-  // Left: one colour with a ladder of blocks.
+  // Left: one color with a ladder of blocks.
   const int left = 2 * kDepth + kWidth;
   FillBox(sheet, left, 0, kWidth, kHeight, red);
   for (int i = 0; i < 6; ++i) FillBox(sheet, left + 6 + 7 * i, 116 - 18 * i, 14, 14, yellow);

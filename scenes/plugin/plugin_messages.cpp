@@ -172,7 +172,7 @@ void PoseEntry(const PluginPose& pose, const ObjectSet& objects, MessageWriter& 
   message.Real(pose.score);
 }
 
-static_assert(sizeof(Rgb8) == 3, "an image of colours is sent as it is in memory");
+static_assert(sizeof(Rgb8) == 3, "an image of colors is sent as it is in memory");
 
 // Rules of received values. Each throws MessageError.
 

@@ -34,7 +34,7 @@ inline constexpr int kMaxSampledShapes = 1000;
 // Samples a shape of `what`, a family or a domain, with the split of a name.
 SampledShape SampleShapeOf(const std::string& what, const std::string& split, uint64_t seed);
 
-// Returns a plausible colour of the shape's domain. It depends only on the family and the seed.
+// Returns a plausible color of the shape's domain. It depends only on the family and the seed.
 Rgb8 SampledColor(const SampledShape& shape);
 
 // Friction coefficient of all sampled shapes against a gripper pad.

@@ -53,7 +53,7 @@ struct MadeObject {
 MadeObject MakeObject(const ObjectRequest& request,
                       const std::function<void(const std::string&)>& on_stage = {});
 
-// Makes the object of a sampled shape: mesh, density, friction, colour, convex pieces and
+// Makes the object of a sampled shape: mesh, density, friction, color, convex pieces and
 // symmetries. Its resting poses are left out; they are found when a scenario needs them.
 ObjectRecord MakeSampledObject(const SampledShape& shape);
 

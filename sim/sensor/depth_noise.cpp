@@ -384,7 +384,7 @@ Image<float> ApplySensorNoise(const IdealView& view, const SensorProfile& profil
     CheckInput(
         size == of_color,
         fmt::format(
-            "the depth image has {} px but the colour image has {} px; give both the same size",
+            "the depth image has {} px but the color image has {} px; give both the same size",
             size, of_color));
   }
   const uint64_t key = rng.Next();

@@ -134,7 +134,7 @@ BENCHMARK_CAPTURE(RenderOne, open_gl, DetailOptions{}, PlainSurfaces::kOpenGl)
     ->Arg(2)
     ->UseManualTime();
 
-// 30 instances of 2,304 triangles in a bin: colour, depth and ids, optionally with every visible
+// 30 instances of 2,304 triangles in a bin: color, depth and ids, optionally with every visible
 // fraction.
 void RenderBin30Of2304(benchmark::State& state, bool fractions) {
   MeasureInProcesses(state, 20, [fractions] {
@@ -220,7 +220,7 @@ void RenderViews(benchmark::State& state) {
 }
 BENCHMARK(RenderViews)->Name("render/views/64x64")->Arg(64)->Arg(1024);
 
-// Applies every effect of the profile to an image of a full bin with colour.
+// Applies every effect of the profile to an image of a full bin with color.
 void SenseBin30(benchmark::State& state, const char* sensor) {
   const SensorProfile profile = LoadSensorProfile(sensor);
   const ObjectSet objects = AllObjects();

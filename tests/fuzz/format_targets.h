@@ -10,7 +10,7 @@ namespace pickbed::tests {
 
 std::vector<FuzzTarget> SettingsTargets();  // scenarios, sweeps and what they name
 std::vector<FuzzTarget> MeshTargets();      // meshes, their materials and textures, and objects
-std::vector<FuzzTarget> ImageTargets();     // colour, depth and mask images
+std::vector<FuzzTarget> ImageTargets();     // color, depth and mask images
 std::vector<FuzzTarget> FrameTargets();     // point clouds and intrinsics
 std::vector<FuzzTarget> DatasetTargets();   // BOP data sets and results
 std::vector<FuzzTarget> StoreTargets();     // stores of results, also of shards

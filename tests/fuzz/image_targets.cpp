@@ -68,7 +68,7 @@ FuzzTarget DepthTarget(const std::string& extension) {
   return target;
 }
 
-// A JPEG as the colour image of a frame.
+// A JPEG as the color image of a frame.
 FuzzTarget JpegTarget() {
   const auto run = [](const fs::path& folder, const std::string& bytes) {
     WriteFileAtomically(folder / "color.jpg", bytes);

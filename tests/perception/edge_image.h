@@ -1,6 +1,6 @@
 #pragma once
 
-// Clouds whose colour image shows the sharp edges of an object.
+// Clouds whose color image shows the sharp edges of an object.
 
 #include <cmath>
 
@@ -10,7 +10,7 @@
 
 namespace pickbed::tests {
 
-// Returns a cloud without depth whose colour image is dark, with a bright pixel at each edge point
+// Returns a cloud without depth whose color image is dark, with a bright pixel at each edge point
 // of the object at X_CO.
 inline OrganizedCloud CloudWithEdgesOf(const CameraIntrinsics& k, const ModelPoints& model,
                                        const Pose& X_CO) {

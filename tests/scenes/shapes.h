@@ -57,8 +57,8 @@ inline TriangleMesh BallShape(double radius, int levels) {
   return mesh;
 }
 
-// Returns a 2 x 2 image with a different colour in each pixel.
-inline Image<Rgb8> FourColours() {
+// Returns a 2 x 2 image with a different color in each pixel.
+inline Image<Rgb8> FourColors() {
   Image<Rgb8> image(2, 2);
   image(0, 0) = {250, 0, 0};
   image(1, 0) = {0, 250, 0};

@@ -106,7 +106,7 @@ TEST(ViewSource, IsolatedNoiseDependsOnViewAndSeed) {
   }
 }
 
-TEST(ViewSource, ColourIsOptional) {
+TEST(ViewSource, ColorIsOptional) {
   ViewSourceOptions options = SmallOptions();
   options.color = false;
   const auto source = MakeSimViewSource(FirstObjects(1), options);
@@ -215,7 +215,7 @@ TEST(ViewSource, FillLimitsTheInstanceCount) {
   EXPECT_LE(MakeSimViewSource(objects, options)->ClutterScene({1, 1})[0].instances.size(), 5u);
 }
 
-TEST(ViewSource, AppearanceChangesColourButNotDepth) {
+TEST(ViewSource, AppearanceChangesColorButNotDepth) {
   const ObjectSet objects = FirstObjects(2);
   ViewSourceOptions options = SmallOptions();
   const auto plain = MakeSimViewSource(objects, options)->ClutterScene({5, 2});

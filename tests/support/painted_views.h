@@ -1,6 +1,6 @@
 #pragma once
 
-// Ray-cast views with colour: object 0 is red, all others are blue.
+// Ray-cast views with color: object 0 is red, all others are blue.
 
 #include "scenes/base/ids.h"
 #include "tests/support/ray_cast_views.h"

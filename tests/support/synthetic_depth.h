@@ -20,7 +20,7 @@ class SyntheticDepth {
   void AddSphere(const Eigen::Vector3d& center_C, double radius_m);
   void AddMesh(const TriangleMesh& mesh_O, const Pose& X_CO);
 
-  // Depth without colour; 0 where nothing was hit.
+  // Depth without color; 0 where nothing was hit.
   const RgbdFrame& frame() const { return frame_; }
 
  private:

@@ -15,6 +15,7 @@
 #include "eval/page/html.h"
 #include "eval/runtime/process.h"
 #include "eval/runtime/progress.h"
+#include "eval/runtime/tables_progress.h"
 #include "perception/completion_networks/network_options.h"
 #include "scenes/base/files.h"
 
@@ -44,67 +45,40 @@ struct BenchmarkRequest {
   }
 };
 
-// Progress over all tables.
-class TablesProgress {
- public:
-  explicit TablesProgress(const BenchmarkRequest& request) {
-    const CompletionBenchmarkOptions& shapes = request.shapes;
-    const CompletedGraspsOptions& grasps = request.grasps;
-    const RecognitionOptions& recognition = request.recognition;
-    const auto count = [](const auto& names) { return static_cast<int>(names.size()); };
-    if (request.Has(kShapesTables)) {
-      // The number of shapes is not known yet, but this is the first table.
-      tables_.push_back(
-          {kShapesTables, "shape", 0, 2 * shapes.views * count(shapes.methods) * kCompletion_s});
-    }
-    if (request.Has(kGraspTables)) {
-      tables_.push_back({kGraspTables, "trial",
-                         count(grasps.planners) * (grasps.single + grasps.bins), kTrial_s});
-    }
-    if (request.Has(kRecognitionTables)) {
-      tables_.push_back(
-          {kRecognitionTables, "bin", recognition.bins * count(recognition.scenarios), kBin_s});
-    }
+// Returns the tables in their order, with their expected efforts.
+std::vector<TableEffort> Efforts(const BenchmarkRequest& request) {
+  const CompletionBenchmarkOptions& shapes = request.shapes;
+  const CompletedGraspsOptions& grasps = request.grasps;
+  const RecognitionOptions& recognition = request.recognition;
+  const auto count = [](const auto& names) { return static_cast<int>(names.size()); };
+  std::vector<TableEffort> tables;
+  if (request.Has(kShapesTables)) {
+    // The number of shapes is not known yet, but this is the first table.
+    tables.push_back(
+        {kShapesTables, "shape", 0, 2 * shapes.views * count(shapes.methods) * kCompletion_s});
   }
-
-  // Runs the next table with a function that shows its progress and returns whether to go on.
-  template <typename Work>
-  auto Run(Work work) {
-    ProgressLine line;
-    Table& table = tables_.at(next_++);
-    ProgressState state;
-    state.what = table.what;
-    state.note = fmt::format("table {}, {} of {}", table.name, next_, tables_.size());
-    for (size_t i = next_; i < tables_.size(); ++i) {
-      state.later_s += Pace() * tables_[i].expected_s();
-    }
-    auto result = work([&](int done, int total) {
-      table.items = total;
-      state.done = done;
-      state.total = total;
-      line.Show(state);
-      return !Interrupted();
-    });
-    taken_s_ += line.elapsed_s();
-    expected_s_ += table.expected_s();
-    return result;
+  if (request.Has(kGraspTables)) {
+    tables.push_back(
+        {kGraspTables, "trial", count(grasps.planners) * (grasps.single + grasps.bins), kTrial_s});
   }
+  if (request.Has(kRecognitionTables)) {
+    tables.push_back(
+        {kRecognitionTables, "bin", recognition.bins * count(recognition.scenarios), kBin_s});
+  }
+  return tables;
+}
 
- private:
-  struct Table {
-    const char *name, *what;
-    int items;
-    double item_s;
-    double expected_s() const { return items * item_s; }
-  };
-
-  // Ratio of the duration of the tables so far to the expected one.
-  double Pace() const { return expected_s_ > 0 ? taken_s_ / expected_s_ : 1; }
-
-  std::vector<Table> tables_;
-  size_t next_ = 0;
-  double taken_s_ = 0, expected_s_ = 0;
-};
+// Makes the next table with a function that shows its progress and returns whether to go on.
+template <typename Work>
+auto MakeTable(TablesProgress& progress, Work work) {
+  ProgressLine line;
+  auto result = work([&](int done, int total) {
+    line.Show(progress.State(done, total));
+    return !Interrupted();
+  });
+  progress.EndTable(line.elapsed_s());
+  return result;
+}
 
 // Each table is written as soon as it is made. An interrupted table has what was done until then.
 int RunBenchmark(const BenchmarkRequest& request) {
@@ -115,7 +89,7 @@ int RunBenchmark(const BenchmarkRequest& request) {
   const std::filesystem::path folder = OutFolder(request.out, "completion");
   MakeFolder(folder);
   CatchInterrupts();
-  TablesProgress progress(request);
+  TablesProgress progress(Efforts(request));
   HtmlPage page("Shape completion");
   std::string unwritten;
   const auto write_page = [&] {
@@ -123,15 +97,17 @@ int RunBenchmark(const BenchmarkRequest& request) {
     unwritten = WritePage(folder / kIndexPage, page);
   };
   if (request.Has(kShapesTables)) {
-    const CompletionBenchmark benchmark = progress.Run(
-        [&](auto on_progress) { return RunCompletionBenchmark(request.shapes, on_progress); });
+    const CompletionBenchmark benchmark = MakeTable(progress, [&](auto on_progress) {
+      return RunCompletionBenchmark(request.shapes, on_progress);
+    });
     fmt::print("{}", CompletionTableText(benchmark));
     AddCompletionBenchmark(folder, benchmark, request.shapes, page);
     write_page();
   }
   if (request.Has(kGraspTables) && !Interrupted()) {
-    const CompletedGrasps grasps = progress.Run(
-        [&](auto on_progress) { return RunCompletedGrasps(request.grasps, on_progress); });
+    const CompletedGrasps grasps = MakeTable(progress, [&](auto on_progress) {
+      return RunCompletedGrasps(request.grasps, on_progress);
+    });
     fmt::print("{}", CompletedGraspsText(grasps));
     WriteFileAtomically(folder / kCompletedGraspsFile, CompletedGraspsCsv(grasps));
     WriteFileAtomically(folder / kCompletedGraspsShapesFile, CompletedGraspsShapesCsv(grasps));
@@ -142,7 +118,7 @@ int RunBenchmark(const BenchmarkRequest& request) {
     RecognitionOptions options = request.recognition;
     options.pictures = folder / kGalleryFolder;
     const Recognition recognition =
-        progress.Run([&](auto on_progress) { return RunRecognition(options, on_progress); });
+        MakeTable(progress, [&](auto on_progress) { return RunRecognition(options, on_progress); });
     fmt::print("{}", RecognitionText(recognition));
     WriteFileAtomically(folder / kRecognitionFile, RecognitionCsv(recognition));
     WriteFileAtomically(folder / kRecognitionBinsFile, RecognitionBinsCsv(recognition));
@@ -179,8 +155,7 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
       "time, for seen and unseen shapes, clean and occluded. Measures what completion is worth "
       "for grasps of unknown objects and for the recognition of known ones. All tables are on one "
       "page. With the defaults, one core takes about half an hour. Each table is written when it "
-      "is "
-      "made, and Ctrl-C keeps what is done.",
+      "is made, and Ctrl-C keeps what is done.",
       "pickbed benchmark completion");
   BenchmarkRequest request;
   CompletionBenchmarkOptions& options = request.shapes;

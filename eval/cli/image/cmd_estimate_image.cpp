@@ -68,7 +68,7 @@ ObjectSet LoadImageObjects(const ImageArguments& image, const std::string& catal
   return objects;
 }
 
-// Returns the doubts about a frame and moves its colour image to its depth. Throws InputError for
+// Returns the doubts about a frame and moves its color image to its depth. Throws InputError for
 // the first error.
 std::vector<std::string> Doubts(const ObjectSet& objects, const std::string& name,
                                 FrameOfFiles& read) {

@@ -1,7 +1,7 @@
 // Draws the charts, filters and sorts the gallery, and shows or hides layers of the 3D views.
 'use strict';
 
-// Text and lines use the text colour of the page, so one drawing fits light, dark and print.
+// Text and lines use the text color of the page, so one drawing fits light, dark and print.
 const chartStyle = {
   background: null,
   font: 'system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif',

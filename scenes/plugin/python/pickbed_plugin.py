@@ -135,7 +135,7 @@ class Frame:
     """One image."""
 
     depth_m: np.ndarray  # height x width, float32, metres along z of C; 0 = no reading
-    color: Optional[np.ndarray]  # height x width x 3, uint8, sRGB; None: no colour
+    color: Optional[np.ndarray]  # height x width x 3, uint8, sRGB; None: no color
     K: np.ndarray  # 3 x 3
     X_WC: Optional[np.ndarray]  # pose of the camera; None: unknown
     X_CB: Optional[np.ndarray]  # pose of the bin in the camera frame; None: unknown

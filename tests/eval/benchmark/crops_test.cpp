@@ -187,7 +187,7 @@ TEST_F(CropConditions, BackgroundHidesNothingAndLeavesNoHole) {
   }
 }
 
-TEST_F(CropConditions, RelightingChangesOnlyTheColour) {
+TEST_F(CropConditions, RelightingChangesOnlyTheColor) {
   const std::vector<CropTest> clean = Tests("clean"), relit = Tests("relit");
   // The relit scene is rotated so that the frame of the lamp is upright, which rounds differently.
   size_t same = 0;

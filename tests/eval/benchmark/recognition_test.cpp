@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "scenes/base/files.h"
 #include "tests/support/error_of.h"
 #include "tests/support/layer.h"
+#include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
 namespace {
@@ -89,6 +91,24 @@ TEST(Recognition, ThePageShowsOverlaysSideBySide) {
   EXPECT_THAT(page.body(), HasSubstr("none: 12 of 30 instances"));
   EXPECT_THAT(page.body(), HasSubstr("network: 13 of 30 instances"));
   EXPECT_LT(page.body().find("recognition/a/none.png"), page.body().find("a/network.png"));
+}
+
+TEST(Recognition, RemovesThePicturesOfAnEarlierBenchmark) {
+  const TemporaryFolder folder;
+  RecognitionOptions options;
+  options.scenarios = {"deep_rod"};
+  options.pictures = folder.path();
+  for (const char* name : {"deep_rod_0_000", "deep_mug_3_012", "mine", "mine_1"}) {
+    MakeFolder(folder.path() / name);
+    WriteFileAtomically(folder.path() / name / "a.png", "");
+  }
+  EXPECT_TRUE(RunRecognition(options, [](int, int) { return false; }).bins.empty());
+  for (const char* name : {"deep_rod_0_000", "deep_mug_3_012"}) {
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / name)) << name;
+  }
+  for (const char* name : {"mine", "mine_1"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / name / "a.png")) << name;
+  }
 }
 
 TEST(Recognition, RefusesOneCompletionUnknownScenariosAndMethods) {

@@ -2,13 +2,13 @@
 // are skipped if the frame is absent; bidirectional_icp_test.cpp tests the same code on synthetic
 // scenes.
 //
-// The published poses come from a video annotation and are not exact. The colour image, which
+// The published poses come from a video annotation and are not exact. The color image, which
 // refinement does not use, shows the drill 7 mm beside its published pose. The can rests on the
 // table, but its published axis leans by nearly 4 degrees. The left side of the can is hidden, and
 // the sensor shows its right side as if it were flat. Geometry therefore ends 5 mm and 5 degrees
-// from the published pose, and colour is between the two. So the tests require that each object
+// from the published pose, and color is between the two. So the tests require that each object
 // converges to one pose from all starts. For mustard and banana this is the published pose. For the
-// drill it is the published pose moved to where the colour image shows the drill.
+// drill it is the published pose moved to where the color image shows the drill.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -84,7 +84,7 @@ class RealRefinement : public ::testing::Test {
           LoadDatasetModel(kRoot / "models", object.id, infos.at(object.id), ModelName(object.id));
       object.points = MakeModelPoints(*object.model);
       // The dataset declares no symmetry for the can because of its label. Its scan is round to 4 %
-      // of the diameter, and without colour its rotation about the axis cannot be seen.
+      // of the diameter, and without color its rotation about the axis cannot be seen.
       object.symmetries_O =
           SymmetryTransforms(FindSymmetries(object.model->mesh_O, {.tolerance_diameters = 0.04}));
       object.published_X_CO = image.instances[i].X_CO;
@@ -190,11 +190,10 @@ TEST_F(RealRefinement, PublishedPoseOfTheCanLeans) {
   EXPECT_GT(lean_deg(kCan), 3) << "the published pose is right: require it";
 }
 
-// Colour contrast across the outline of an object.
-class ColourOutline {
+// Color contrast across the outline of an object.
+class ColorOutline {
  public:
-  ColourOutline(const RgbdFrame& frame, const RealObject& object, const Pose& X_CO)
-      : frame_(frame) {
+  ColorOutline(const RgbdFrame& frame, const RealObject& object, const Pose& X_CO) : frame_(frame) {
     SyntheticDepth isolated(frame.intrinsics);
     isolated.AddMesh(object.model->mesh_O, X_CO);
     const Image<float>& depth_m = isolated.frame().depth_m;
@@ -210,7 +209,7 @@ class ColourOutline {
   double Contrast(int dx, int dy) const {
     double sum = 0;
     for (const Point& p : points_) {
-      sum += (Colour(p.pixel + 2.5 * p.outward, dx, dy) - Colour(p.pixel - 2.5 * p.outward, dx, dy))
+      sum += (Color(p.pixel + 2.5 * p.outward, dx, dy) - Color(p.pixel - 2.5 * p.outward, dx, dy))
                  .norm();
     }
     return points_.empty() ? 0.0 : sum / static_cast<double>(points_.size());
@@ -254,8 +253,8 @@ class ColourOutline {
     if (nearest_m < depth_m(x, y) - 0.03f || outward.isZero()) return;
     points_.push_back({Eigen::Vector2d(x, y), outward.normalized()});
   }
-  // Returns the mean colour of 5 x 5 pixels.
-  Eigen::Vector3d Colour(const Eigen::Vector2d& at, int dx, int dy) const {
+  // Returns the mean color of 5 x 5 pixels.
+  Eigen::Vector3d Color(const Eigen::Vector2d& at, int dx, int dy) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int v = -2; v <= 2; ++v) {
       for (int u = -2; u <= 2; ++u) {
@@ -273,14 +272,14 @@ class ColourOutline {
   std::vector<Point> points_;
 };
 
-// The published pose of the drill does not cover the drill in the colour image. It is moved across
+// The published pose of the drill does not cover the drill in the color image. It is moved across
 // the viewing ray to where its outline has the most contrast. The result is a ground truth that
 // does not depend on the depth image.
-TEST_F(RealRefinement, DrillConvergesToItsPlaceInTheColourImage) {
+TEST_F(RealRefinement, DrillConvergesToItsPlaceInTheColorImage) {
   const auto drill = std::find_if(objects_.begin(), objects_.end(),
                                   [](const RealObject& object) { return object.id == kDrill; });
   ASSERT_NE(drill, objects_.end());
-  const ColourOutline outline(frame_, *drill, drill->published_X_CO);
+  const ColorOutline outline(frame_, *drill, drill->published_X_CO);
   const Eigen::Vector2i move_px = outline.BestMove(12);
   EXPECT_GT(outline.Contrast(move_px.x(), move_px.y()), 1.3 * outline.Contrast(0, 0));
   const double z_m = (drill->published_X_CO * drill->points.center_O.cast<double>()).z();
@@ -295,13 +294,13 @@ TEST_F(RealRefinement, DrillConvergesToItsPlaceInTheColourImage) {
   EXPECT_GE(back, kNeeded) << "moved by " << move_px.transpose() << " px";
 }
 
-// The outline of the refined pose follows stronger edges of the colour image than the published
-// one. Refinement does not use colour. The can is an exception, see the head of this file.
-TEST_F(RealRefinement, ColourEdgesSupportTheRefinedPose) {
+// The outline of the refined pose follows stronger edges of the color image than the published
+// one. Refinement does not use color. The can is an exception, see the head of this file.
+TEST_F(RealRefinement, ColorEdgesSupportTheRefinedPose) {
   for (const RealObject& object : objects_) {
     const Pose X_CO = BidirectionalIcp(cloud_, object.points, object.published_X_CO).X_CO;
-    const double published = ColourOutline(frame_, object, object.published_X_CO).Contrast(0, 0);
-    const double refined = ColourOutline(frame_, object, X_CO).Contrast(0, 0);
+    const double published = ColorOutline(frame_, object, object.published_X_CO).Contrast(0, 0);
+    const double refined = ColorOutline(frame_, object, X_CO).Contrast(0, 0);
     RecordProperty(fmt::format("contrast_{}", object.id),
                    fmt::format("{:.1f} -> {:.1f}", published, refined));
     if (object.id != kCan) {

@@ -9,7 +9,7 @@
 namespace pickbed::tests {
 namespace {
 
-// Number of pixels of a colour in each row.
+// Number of pixels of a color in each row.
 std::map<int, int> RowsOf(const Image<Rgb8>& image, Rgb8 color) {
   std::map<int, int> rows;
   for (int y = 0; y < image.height(); ++y) {
@@ -27,7 +27,7 @@ int Widest(const Image<Rgb8>& image, Rgb8 color) {
   return widest;
 }
 
-TEST(DrawWaterfall, BarWidthIsTheShareAndColourIsTheStage) {
+TEST(DrawWaterfall, BarWidthIsTheShareAndColorIsTheStage) {
   const Rgb8 all{150, 158, 168}, left{0, 138, 100}, grasp{126, 62, 152}, pose{204, 121, 167};
   const Image<Rgb8> image = DrawWaterfall({"t",
                                            "all",
@@ -53,7 +53,7 @@ TEST(DrawGains, IntervalWidthFollowsTheAxis) {
        "x",
        "y",
        {{"none", {0, 0, {0, 0}}, {0, 0, {0, 0}}}, {"a", {0, 0.1, {0.05, 0.2}}, {0, 0, {0, 0}}}}});
-  // The first colour draws a dot without an interval, and an interval of 15 points as the widest
+  // The first color draws a dot without an interval, and an interval of 15 points as the widest
   // row.
   EXPECT_GT(Widest(image, first), 200);
 }

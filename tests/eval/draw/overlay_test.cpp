@@ -37,10 +37,10 @@ TEST(ColorizeDepth, HolesAreBlackAndNearDiffersFromFar) {
   const Image<Rgb8> image = ColorizeDepth(depth_m);
   EXPECT_EQ(image(0, 0), (Rgb8{0, 0, 0}));
   EXPECT_FALSE(image(1, 0) == image(3, 0));
-  EXPECT_GT(image(1, 0).r, image(1, 0).b);  // near has a warm colour
+  EXPECT_GT(image(1, 0).r, image(1, 0).b);  // near has a warm color
 }
 
-TEST(ColorizeIds, NeighborsDifferInColourAndBackgroundIsBlack) {
+TEST(ColorizeIds, NeighborsDifferInColorAndBackgroundIsBlack) {
   Image<uint16_t> ids(3, 1);
   ids(1, 0) = 1;
   ids(2, 0) = 2;

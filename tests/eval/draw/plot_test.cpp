@@ -10,7 +10,7 @@
 namespace pickbed::tests {
 namespace {
 
-TEST(DrawDepthError, ColoursDistinguishNearerFartherAndHoles) {
+TEST(DrawDepthError, ColorsDistinguishNearerFartherAndHoles) {
   const Image<float> ideal(4, 1, 1.0f);
   Image<float> seen = ideal;
   seen(1, 0) = 1.01f, seen(2, 0) = 0.995f, seen(3, 0) = 0;

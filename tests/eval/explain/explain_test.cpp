@@ -198,7 +198,7 @@ TEST(DrawExplain, FarDepthIsBluerAndUnknownIsDark) {
   EXPECT_LT(picture(2, 0).r + picture(2, 0).g + picture(2, 0).b, 180);
 }
 
-TEST(DrawExplain, ColourPatchesKeepTheirColours) {
+TEST(DrawExplain, ColorPatchesKeepTheirColors) {
   PatchValues values{};
   std::fill_n(values.begin(), kPatchArea, 127);
   values[0] = 20;

@@ -143,7 +143,7 @@ TEST(ObservedCloud, BackProjectsEachDepthReading) {
   EXPECT_LT((cloud.rgb[0] - Eigen::Vector3f(1, 0, 0.2f)).norm(), 1e-6f);
   EXPECT_TRUE(ObservedCloud(frame, X_WC, 4).points_W.empty());
   frame.color = {};
-  EXPECT_EQ(ObservedCloud(frame, X_WC, 1).rgb.size(), 1u) << "a depth camera without colours";
+  EXPECT_EQ(ObservedCloud(frame, X_WC, 1).rgb.size(), 1u) << "a depth camera without colors";
 }
 
 TEST(EstimatedCloud, IsOnTheSurfacesOfTheHypotheses) {

@@ -41,7 +41,7 @@ std::string PlyCloud(const std::string& size, bool is_ascii) {
   return bytes;
 }
 
-TEST(CloudFile, PlyGivesDepthColourAndIntrinsics) {
+TEST(CloudFile, PlyGivesDepthColorAndIntrinsics) {
   const TemporaryFolder folder;
   const std::string size = "obj_info num_cols 8\nobj_info num_rows 6\n";
   for (const bool is_ascii : {false, true}) {

@@ -27,7 +27,7 @@ ObjectSet OneCube(double side_m) {
   return {object};
 }
 
-// Blocks of several sizes, 10 cm above a table at 0.8 m, with the colour of their place.
+// Blocks of several sizes, 10 cm above a table at 0.8 m, with the color of their place.
 RgbdFrame Blocks(double depth_factor = 1) {
   RgbdFrame frame{kBlocksCamera, Image<Rgb8>(320, 240, {60, 60, 60}),
                   Image<float>(320, 240, static_cast<float>(0.8 * depth_factor))};
@@ -44,7 +44,7 @@ RgbdFrame Blocks(double depth_factor = 1) {
   return frame;
 }
 
-// The colour image moved by (dx, dy) and scaled about the principal point.
+// The color image moved by (dx, dy) and scaled about the principal point.
 RgbdFrame WithOtherColor(const RgbdFrame& frame, int dx, int dy, double scale) {
   RgbdFrame other = frame;
   for (int y = 0; y < 240; ++y) {
@@ -106,7 +106,7 @@ TEST(CheckFrame, PrincipalPointOfAnotherImageIsDoubtful) {
   EXPECT_EQ(findings.front().fault, FrameFault::kPrincipalPoint);
 }
 
-TEST(CheckFrame, DepthOfAnotherImageContradictsTheColourEdges) {
+TEST(CheckFrame, DepthOfAnotherImageContradictsTheColorEdges) {
   for (const auto& [dx, dy, scale] :
        {std::tuple{16, -8, 1.0}, {0, 0, 1.16}, {-24, 12, 1.0}, {0, 0, 0.87}}) {
     const auto findings = CheckFrame(WithOtherColor(Blocks(), dx, dy, scale), OneCube(0.05), 1);
@@ -120,14 +120,14 @@ TEST(CheckFrame, DepthOfAnotherImageContradictsTheColourEdges) {
   }
 }
 
-// Colour from elsewhere is moved until the frame has no finding.
+// Color from elsewhere is moved until the frame has no finding.
 TEST(RegisterColor, UndoesAShiftButNoScale) {
   RgbdFrame frame = WithOtherColor(Blocks(), 16, -8, 1.0);
   const auto findings = CheckFrame(frame, OneCube(0.05), 1);
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_NEAR(findings.front().color_move_px.x(), -16, 1);
   EXPECT_NEAR(findings.front().color_move_px.y(), 8, 1);
-  EXPECT_THAT(findings.front().text, HasSubstr("the colour image is moved"));
+  EXPECT_THAT(findings.front().text, HasSubstr("the color image is moved"));
   RegisterColor(findings, frame);
   EXPECT_TRUE(CheckFrame(frame, OneCube(0.05), 1).empty());
   const auto scaled = CheckFrame(WithOtherColor(Blocks(), 0, 0, 1.16), OneCube(0.05), 1);
@@ -135,7 +135,7 @@ TEST(RegisterColor, UndoesAShiftButNoScale) {
   EXPECT_TRUE(scaled.front().color_move_px.isZero());
 }
 
-TEST(CheckFrame, AReflectedDepthImageContradictsTheColourEdges) {
+TEST(CheckFrame, AReflectedDepthImageContradictsTheColorEdges) {
   for (const auto& [columns, rows, text] : {std::tuple{true, false, "mirrored left to right"},
                                             {false, true, "mirrored top to bottom"},
                                             {true, true, "turned by 180 degrees"}}) {
@@ -200,7 +200,7 @@ TEST(AlignEdges, RealFramesFitWhereTheyAre) {
            CheckFrame(read.frame, OneCube(0.08), read.depth_scale_mm)) {
         ADD_FAILURE() << frame << ": " << finding.text;
       }
-      // Planted faults: colour that is farther to the right, and reflected depth.
+      // Planted faults: color that is farther to the right, and reflected depth.
       for (const int shift_px : {8, 20, 32}) {
         RgbdFrame moved = read.frame;
         for (int y = 0; y < moved.color.height(); ++y) {

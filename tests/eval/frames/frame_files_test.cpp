@@ -107,7 +107,7 @@ TEST_F(FrameFilesTest, IntegersAreMillimetresAndFloatsMetres) {
       ReadFrameFiles({Path("color.png"), Path("depth.png"), k_, 0.1}).frame.depth_m(3, 3), 0.15f);
 }
 
-TEST_F(FrameFilesTest, DepthMayComeWithoutColour) {
+TEST_F(FrameFilesTest, DepthMayComeWithoutColor) {
   const FrameOfFiles read = ReadFrameFiles({Path("depth.png"), {}, k_, 0});
   EXPECT_TRUE(read.frame.color.empty());
   EXPECT_FLOAT_EQ(read.frame.depth_m(3, 3), 1.5f);

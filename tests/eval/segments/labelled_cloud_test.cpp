@@ -43,7 +43,7 @@ std::string PlaneCloud(const CameraIntrinsics& k, const std::string& fields = "x
 
 const CameraIntrinsics kCamera(8, 6, 12, 13, 3.6, 2.7);
 
-TEST(ReadLabelledCloud, FindsDepthLabelsColourAndIntrinsics) {
+TEST(ReadLabelledCloud, FindsDepthLabelsColorAndIntrinsics) {
   const TemporaryFolder folder;
   const LabelledCloud cloud = ReadLabelledCloud(folder.Write("a.pcd", PlaneCloud(kCamera)));
   EXPECT_NEAR(cloud.frame.intrinsics.fx(), 12, 1e-3);

@@ -90,7 +90,7 @@ TEST(SegmentClouds, OverlapsMostOfTheHouseholdObjects) {
   EXPECT_GT(overlap / static_cast<double>(rows.front().images.size()), 0.93);
 }
 
-TEST(SegmentOverlay, ColoursSegmentsAndDrawsTheirBorders) {
+TEST(SegmentOverlay, ColorsSegmentsAndDrawsTheirBorders) {
   Image<uint16_t> labels(4, 1);
   labels(2, 0) = labels(3, 0) = 7;
   const Image<Rgb8> overlay = SegmentOverlay(Image<Rgb8>(4, 1, {10, 10, 10}), labels);

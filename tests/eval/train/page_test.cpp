@@ -54,7 +54,7 @@ TEST(DrawPatch, BackgroundIsDarkAndSurfacesShowNormals) {
   EXPECT_GT(image(10, 0).b, image(10, 0).r);
 }
 
-TEST(DrawPatch, ColourIsUnchanged) {
+TEST(DrawPatch, ColorIsUnchanged) {
   std::vector<int8_t> patch(kPatchValues, 0);
   std::fill_n(patch.begin(), kPatchArea, 127);
   patch[5] = 0;

@@ -143,7 +143,8 @@ TEST(CompletedShapes, TheNetworkForGraspsIsPartOfTheIdentityOfARun) {
 }
 
 TEST(CompletedShapes, AnUnknownMethodIsNamedWithItsSetting) {
-  EXPECT_THAT(ErrorOf([] { RunOnShapes("completed", "magic"); }), HasSubstr("planner.completion"));
+  EXPECT_THAT(ErrorOf([] { RunOnShapes("completed", "magic"); }),
+              AllOf(HasSubstr("planner.completion"), HasSubstr("skirt"), HasSubstr("truth")));
   ScenarioSpec spec = CubeScenario(1);
   spec.planner.name = "skirt";
   spec.planner.segmentation = "magic";

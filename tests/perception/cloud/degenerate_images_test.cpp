@@ -296,7 +296,7 @@ TEST(DegenerateClouds, ImagesWithoutPixelsAndOtherSizesAreRefused) {
     EXPECT_THAT(ErrorOf([&] { SearchCloud(RgbdFrame(), std::nullopt, factor); }),
                 HasSubstr("the frame has no depth image"));
     EXPECT_THAT(ErrorOf([&] { SearchCloud(other_color, std::nullopt, factor); }),
-                HasSubstr("colour image is 1x1"));
+                HasSubstr("color image is 1x1"));
     for (const Image<uint8_t>* region : {&no_region, &small_region}) {
       EXPECT_THAT(ErrorOf([&] { SearchCloud(frame, std::nullopt, factor, region); }),
                   HasSubstr("region of interest"));

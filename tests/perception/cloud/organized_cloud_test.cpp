@@ -203,7 +203,7 @@ TEST(BuildCloud, WrongSizesAreReportedSeparately) {
   const RgbdFrame painted{k, Image<Rgb8>(64, 48), Image<float>(k.width(), k.height())};
   EXPECT_THAT([&] { BuildCloud(painted, std::nullopt); },
               ::testing::ThrowsMessage<InputError>(::testing::HasSubstr(fmt::format(
-                  "colour image is 64x48 and depth image {}x{}", k.width(), k.height()))));
+                  "color image is 64x48 and depth image {}x{}", k.width(), k.height()))));
   const RgbdFrame right{k, {}, Image<float>(k.width(), k.height())};
   EXPECT_THAT([&] { BuildCloud(right, std::nullopt, {.normal_window_px = 4}); },
               ::testing::ThrowsMessage<InputError>(::testing::HasSubstr("normal_window_px is 4")));

@@ -77,7 +77,7 @@ TEST(BinnedFrame, ABlockThatIsMostlyHolesIsAHole) {
   EXPECT_NEAR(binned.depth_m(1, 0), 1.0, 1e-6);
 }
 
-TEST(BinnedFrame, AveragesNoiseAndColour) {
+TEST(BinnedFrame, AveragesNoiseAndColor) {
   RgbdFrame frame;
   frame.intrinsics = {2, 2, 300, 300, 0.5, 0.5};
   frame.depth_m = Image<float>(2, 2);
@@ -93,7 +93,7 @@ TEST(BinnedFrame, AveragesNoiseAndColour) {
 }
 
 // A plane with a sphere, noise, holes of one pixel and larger, a depth that is not finite, and
-// random colours.
+// random colors.
 RgbdFrame NoisyFrame() {
   const CameraIntrinsics k(90, 61, 300, 310, 43.2, 31.7);
   SyntheticDepth scene(k);
@@ -154,7 +154,7 @@ TEST(SearchCloud, SameBytesForAnyNumberOfThreads) {
   }
 }
 
-// Binning reduces depth and colour. Edges are found in the whole colour image.
+// Binning reduces depth and color. Edges are found in the whole color image.
 TEST(SearchCloud, EdgesAreFoundInTheWholeImage) {
   const RgbdFrame frame = NoisyFrame();
   const OrganizedCloud cloud = SearchCloud(frame, std::nullopt, 2);

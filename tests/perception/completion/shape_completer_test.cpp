@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "perception/completion/completion_input.h"
 #include "perception/completion/nearest_shape.h"
 #include "perception/completion/network_completer.h"
 #include "perception/completion/rule_completers.h"
+#include "perception/completion/training_sample.h"
 #include "scenes/base/error.h"
 #include "tests/perception/completion/solid_views.h"
 
@@ -15,20 +18,27 @@ namespace {
 
 using ::testing::HasSubstr;
 
-double SphereIou(const CompletedVolume& volume) {
+// Returns the IoU of a volume and a body, which is given by what is inside of it.
+double Iou(const CompletedVolume& volume,
+           const std::function<bool(const Eigen::Vector3f& p_C)>& is_inside) {
   double both = 0, either = 0;
   for (int z = 0; z < volume.size; ++z) {
     for (int y = 0; y < volume.size; ++y) {
       for (int x = 0; x < volume.size; ++x) {
         const bool full = volume.occupancy[volume.Index(x, y, z)] > 0.5f;
-        const bool inside =
-            (volume.Center_C(x, y, z).cast<double>() - kSphereCenter_C).norm() < kSphereRadius_m;
+        const bool inside = is_inside(volume.Center_C(x, y, z));
         both += full && inside;
         either += full || inside;
       }
     }
   }
   return both / either;
+}
+
+double SphereIou(const CompletedVolume& volume) {
+  return Iou(volume, [](const Eigen::Vector3f& p_C) {
+    return (p_C.cast<double>() - kSphereCenter_C).norm() < kSphereRadius_m;
+  });
 }
 
 CompletedVolume Completed(CompletionRule rule, const SegmentView& view) {
@@ -69,6 +79,35 @@ TEST(RuleCompleters, NothingIsBelowTheFloor) {
 TEST(NearestShape, CompletesASphereByCartonsAndCans) {
   NearestShape nearest({&FindShapeFamily("carton"), &FindShapeFamily("can")}, 40, 32);
   EXPECT_GT(SphereIou(nearest.Complete(UsualSphereView())), 0.3);
+}
+
+// Returns the mean IoU of views of other cans that are completed by training views of one family.
+double MeanIouOfCans(const char* family) {
+  NearestShape nearest({&FindShapeFamily(family)}, 80, 32);
+  RandomViewOptions whole;
+  whole.occluded_share = 0;
+  Rng rng(5);
+  double sum = 0;
+  constexpr int kViews = 8;
+  for (int i = 0; i < kViews; ++i) {
+    const auto can =
+        SolidOf(SampleShape(FindShapeFamily("can"), ShapeSplit::kUnseenSizes, rng.Next()).solid);
+    const RandomView drawn = DrawView(*can, {}, whole, rng);
+    const Eigen::Isometry3f X_OC = drawn.X_CO.inverse().cast<float>();
+    sum += Iou(nearest.Complete(drawn.view), [&](const Eigen::Vector3f& p_C) {
+      const Eigen::Vector3f p_O = X_OC * p_C;
+      uint8_t inside = 0;
+      can->Inside({&p_O, 1}, {&inside, 1});
+      return inside != 0;
+    });
+  }
+  return sum / kViews;
+}
+
+TEST(NearestShape, TakesTheShapeOfItsTrainingViews) {
+  const double by_cans = MeanIouOfCans("can"), by_plates = MeanIouOfCans("plate");
+  EXPECT_GT(by_cans, 0.5);
+  EXPECT_LT(by_plates, 0.5 * by_cans);
 }
 
 TEST(NetworkCompleter, EmptyCellsAreZeroAndOthersAreProbabilities) {

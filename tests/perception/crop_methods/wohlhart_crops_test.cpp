@@ -27,7 +27,7 @@ TEST(WohlhartNetwork, NumberOfWeightsEqualsThePaper) {
   EXPECT_EQ(WohlhartNetwork(options, 0).weights(), 269335);
 }
 
-// Two crops that differ only in the depth and colour of a block far in front of the object.
+// Two crops that differ only in the depth and color of a block far in front of the object.
 class DepthReach : public testing::Test {
  protected:
   DepthReach() {
@@ -68,7 +68,7 @@ TEST_F(DepthReach, DepthWithinTheReachMatters) {
   EXPECT_FALSE(AreEqual("rgbd", 0.8));
 }
 
-TEST_F(DepthReach, ColourInputIgnoresTheReach) { EXPECT_FALSE(AreEqual("rgb", 0.5)); }
+TEST_F(DepthReach, ColorInputIgnoresTheReach) { EXPECT_FALSE(AreEqual("rgb", 0.5)); }
 
 // One anchor at 0 and four templates: the closest one at 1, another pose at 3, another object at 2,
 // and a nearly equal pose at 0.5, which is no pusher.

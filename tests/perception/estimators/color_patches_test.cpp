@@ -1,5 +1,5 @@
-// Patches of depth and colour, tested from the pixel to the pose on objects that differ only in
-// colour.
+// Patches of depth and color, tested from the pixel to the pose on objects that differ only in
+// color.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -66,7 +66,7 @@ std::shared_ptr<const ObjectModel> Named(const char* name) {
 }
 
 // Two objects of one shape, one red and one blue, and a model for each set of channels.
-class TwoColours : public testing::Test {
+class TwoColors : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     temporary_ = new TemporaryFolder;
@@ -102,8 +102,8 @@ class TwoColours : public testing::Test {
   static TemporaryFolder* temporary_;
   static PaintedViews* views_;
 };
-TemporaryFolder* TwoColours::temporary_ = nullptr;
-PaintedViews* TwoColours::views_ = nullptr;
+TemporaryFolder* TwoColors::temporary_ = nullptr;
+PaintedViews* TwoColors::views_ = nullptr;
 
 // Share of the votes of the substitute network that are for the object at their place.
 double ShareOfRightObject(PatchChannels channels) {
@@ -150,12 +150,12 @@ TEST(ColorVotes, DistinguishObjectsThatDepthCannot) {
   EXPECT_NEAR(ShareOfRightObject(PatchChannels::kDepthNormals), 0.5, 0.2);
 }
 
-TEST_F(TwoColours, ModelStoresTheChannels) {
+TEST_F(TwoColors, ModelStoresTheChannels) {
   EXPECT_EQ(LoadModel(File("rgbd")).network.channels(), PatchChannels::kDepthColor);
   EXPECT_EQ(LoadModel(File("depth_normals")).network.channels(), PatchChannels::kDepthNormals);
 }
 
-TEST_F(TwoColours, FrameWithoutColourIsRefusedByColourChannels) {
+TEST_F(TwoColors, FrameWithoutColorIsRefusedByColorChannels) {
   LabelledView view = views_->ClutterScene({5000, 1}).front();
   view.frame.color = {};
   const auto run = [&](const char* model) {
@@ -163,25 +163,25 @@ TEST_F(TwoColours, FrameWithoutColourIsRefusedByColourChannels) {
     Rng rng(1);
     return ErrorOf([&] { estimator->Estimate({view.frame, OutOfSightBin()}, rng); });
   };
-  EXPECT_THAT(run("rgbd"), AllOf(HasSubstr("no colour image"), HasSubstr("depth_normals")));
+  EXPECT_THAT(run("rgbd"), AllOf(HasSubstr("no color image"), HasSubstr("depth_normals")));
   EXPECT_EQ(run("depth_normals"), "no error");
   // Also if there is no foreground.
   std::ranges::fill(view.frame.depth_m.pixels(), 0.0f);
-  EXPECT_THAT(run("rgbd"), HasSubstr("no colour image"));
+  EXPECT_THAT(run("rgbd"), HasSubstr("no color image"));
 }
 
-TEST_F(TwoColours, NetworksWithOtherChannelsAreNotMixed) {
+TEST_F(TwoColors, NetworksWithOtherChannelsAreNotMixed) {
   TrainingJob job = Job("mixed");
   job.start_from = File("rgbd");
   EXPECT_THAT(ErrorOf([&] { TrainDescriptor(job, Untrained("depth_normals")); }),
-              AllOf(HasSubstr("rgbd.net"), HasSubstr("depth and colour, not on depth and normals"),
+              AllOf(HasSubstr("rgbd.net"), HasSubstr("depth and color, not on depth and normals"),
                     HasSubstr("network.autoencoder.channels")));
   EXPECT_THAT(ErrorOf([&] { Make("rgbd", File("depth_normals")); }),
               AllOf(HasSubstr("depth_normals.net"), HasSubstr("train both on the same input")));
 }
 
 // Initial weights depend only on the seed and not on the channels.
-TEST_F(TwoColours, CodebooksAreNotSharedBetweenChannels) {
+TEST_F(TwoColors, CodebooksAreNotSharedBetweenChannels) {
   ASSERT_EQ(LoadModel(File("rgbd")).network_hash, LoadModel(File("depth_normals")).network_hash);
   const auto books = [] {
     std::vector<std::filesystem::path> files;

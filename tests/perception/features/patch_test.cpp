@@ -176,7 +176,7 @@ OrganizedCloud PaintedPlane() {
   return cloud;
 }
 
-TEST(ColorPatches, ColoursMatchThePixelsAtAnyAngle) {
+TEST(ColorPatches, ColorsMatchThePixelsAtAnyAngle) {
   const OrganizedCloud cloud = PaintedPlane();
   const double side_m = 0.08;
   const int pixel = CenterPixel(cloud);
@@ -231,12 +231,12 @@ TEST(ColorPatches, BackgroundAndOutsideAreNeutral) {
   }
 }
 
-TEST(ColorPatches, CloudWithoutColourIsRefused) {
+TEST(ColorPatches, CloudWithoutColorIsRefused) {
   OrganizedCloud cloud = PaintedPlane();
   RequireChannels(cloud, PatchChannels::kDepthColor);
   cloud.color = {};
   EXPECT_THAT(ErrorOf([&] { RequireChannels(cloud, PatchChannels::kDepthColor); }),
-              testing::HasSubstr("no colour image"));
+              testing::HasSubstr("no color image"));
   RequireChannels(cloud, PatchChannels::kDepthNormals);
 }
 

@@ -1,4 +1,4 @@
-// Points, distances, colours and ambiguous poses of objects without extent or area, and of poses at
+// Points, distances, colors and ambiguous poses of objects without extent or area, and of poses at
 // the camera.
 
 #include <gmock/gmock.h>
@@ -198,7 +198,7 @@ TriangleMesh WithColors(TriangleMesh mesh) {
   return mesh;
 }
 
-TEST(DegenerateTexture, FacesWithoutAreaHaveTheColourOfACorner) {
+TEST(DegenerateTexture, FacesWithoutAreaHaveTheColorOfACorner) {
   const std::vector<int> faces{0, 0};
   for (const DegenerateMesh& test : DegenerateMeshes()) {
     if (test.mesh.triangles.empty()) continue;
@@ -215,7 +215,7 @@ TEST(DegenerateTexture, FacesWithoutAreaHaveTheColourOfACorner) {
 }
 
 // All corners have one place in the texture, so a texel has no size on the surface.
-TEST(DegenerateTexture, OneTexelColoursTheSurface) {
+TEST(DegenerateTexture, OneTexelColorsTheSurface) {
   TriangleMesh mesh = BoxShape({0.1, 0.2, 0.3});
   mesh.texture = Image<Rgb8>(1, 1, {200, 100, 50});
   for (const Eigen::Vector2d& uv : {Eigen::Vector2d(0, 0), Eigen::Vector2d(1, 1),

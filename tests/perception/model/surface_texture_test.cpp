@@ -16,7 +16,7 @@ namespace {
 constexpr double kSide_m = 0.08;
 constexpr Rgb8 kGrey{176, 176, 180};
 
-// A texture of squares in random colours.
+// A texture of squares in random colors.
 Image<Rgb8> RandomTexture(uint64_t seed) {
   constexpr int kTexels = 64, kSquare = 16;
   Rng rng(seed);
@@ -44,7 +44,7 @@ TriangleMesh SlabWithTexture(const Image<Rgb8>& texture) {
   return mesh;
 }
 
-// Colour of a pixel as a function of its texture coordinates on the slab. The slab faces the camera
+// Color of a pixel as a function of its texture coordinates on the slab. The slab faces the camera
 // at 0.4 m.
 using Painting = std::function<Rgb8(const Eigen::Vector2d& uv)>;
 
@@ -108,13 +108,13 @@ TEST_F(TexturedSlab, FewerPointsGiveWeakerEvidence) {
   EXPECT_GT(*TextureCorrelation(cloud, model_, X_CO_), whole);
 }
 
-TEST_F(TexturedSlab, NoCorrelationWithoutTextureOrColour) {
+TEST_F(TexturedSlab, NoCorrelationWithoutTextureOrColor) {
   OrganizedCloud cloud = Seen(Showing(texture_));
   EXPECT_FALSE(TextureCorrelation(cloud, model_, Translation({0, 0, 0.3}))) << "in front of it";
   const auto plain = ObjectOf(BoxMesh({kSide_m, kSide_m, 0.02}, Eigen::Vector3d::Zero()));
   EXPECT_FALSE(TextureCorrelation(cloud, MakeModelPoints(*plain), X_CO_));
-  const auto one_colour = ObjectOf(SlabWithTexture(Image<Rgb8>(8, 8, kGrey)));
-  EXPECT_FALSE(TextureCorrelation(cloud, MakeModelPoints(*one_colour), X_CO_));
+  const auto one_color = ObjectOf(SlabWithTexture(Image<Rgb8>(8, 8, kGrey)));
+  EXPECT_FALSE(TextureCorrelation(cloud, MakeModelPoints(*one_color), X_CO_));
   cloud.color = {};
   EXPECT_FALSE(TextureCorrelation(cloud, model_, X_CO_));
 }
@@ -134,9 +134,9 @@ TEST_F(TexturedSlab, EverySymmetricPoseIsTried) {
   EXPECT_GT(CorrelationWith(Showing(texture_)), 0.9);
 }
 
-TEST_F(TexturedSlab, VertexColoursAreSupported) {
-  ObjectModel coloured = *object_;
-  TriangleMesh& mesh = coloured.mesh_O;
+TEST_F(TexturedSlab, VertexColorsAreSupported) {
+  ObjectModel colored = *object_;
+  TriangleMesh& mesh = colored.mesh_O;
   mesh.uvs.clear();
   mesh.texture = {};
   // Red increases with x, green with y.
@@ -144,7 +144,7 @@ TEST_F(TexturedSlab, VertexColoursAreSupported) {
     mesh.colors.push_back({static_cast<uint8_t>(vertex.x() > 0 ? 250 : 0),
                            static_cast<uint8_t>(vertex.y() > 0 ? 250 : 0), 90});
   }
-  model_ = MakeModelPoints(coloured);
+  model_ = MakeModelPoints(colored);
   const auto matching = [](const Eigen::Vector2d& uv) {
     return Rgb8{static_cast<uint8_t>(250 * uv.x()), static_cast<uint8_t>(250 * uv.y()), 90};
   };

@@ -64,7 +64,7 @@ TEST_F(ModelFile, RoundTripKeepsVerifierAndWeights) {
   }
 }
 
-TEST_F(ModelFile, RoundTripKeepsAColourNetwork) {
+TEST_F(ModelFile, RoundTripKeepsAColorNetwork) {
   Untrained();
   ModelInfo info;
   info.objects = {{"test part", objects_[0]->mesh_hash, 0.08, 0.064}};
@@ -144,8 +144,8 @@ TEST(VerifierValues, FewerFeaturesMeanTheFirstOnes) {
               HasSubstr("another shape"));
 }
 
-// A mesh with other colours on both sides of an edge has more vertices there.
-TEST(TrainedObjects, ColouredMeshUsesTheModelOfTheSameShape) {
+// A mesh with other colors on both sides of an edge has more vertices there.
+TEST(TrainedObjects, ColoredMeshUsesTheModelOfTheSameShape) {
   TriangleMesh plain = BracketMesh();
   plain = WithEqualVerticesJoined(plain);
   TriangleMesh colored;

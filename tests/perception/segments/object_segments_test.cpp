@@ -99,7 +99,7 @@ TEST(SegmentCloud, AConcaveEdgeSeparatesOnlyIfConvexityCounts) {
   EXPECT_EQ(count("depth_steps"), 1u);
 }
 
-TEST(SegmentCloud, ColourSeparatesFlushBoxesOnlyIfItCounts) {
+TEST(SegmentCloud, ColorSeparatesFlushBoxesOnlyIfItCounts) {
   TableScene scene;
   scene.AddBox({0.10, 0.06, 0.04}, {0, 0, 0.02});
   RgbdFrame frame = scene.frame();
@@ -116,7 +116,7 @@ TEST(SegmentCloud, ColourSeparatesFlushBoxesOnlyIfItCounts) {
   EXPECT_EQ(count("convexity_color"), 2u);
   EXPECT_EQ(count("convexity"), 1u);
   frame.color = {};
-  EXPECT_EQ(count("convexity_color"), 1u) << "a sensor without colour";
+  EXPECT_EQ(count("convexity_color"), 1u) << "a sensor without color";
 }
 
 TEST(SegmentCloud, LabelsAndSegmentsAgree) {

@@ -15,7 +15,7 @@ constexpr double kSide_m = 0.03, kScore = 0.9;
 constexpr int kCubes = 8;
 constexpr Rgb8 kRed{200, 70, 60}, kGrey{140, 140, 144};
 
-// Two rows of cubes that face the camera. Each cube has one colour.
+// Two rows of cubes that face the camera. Each cube has one color.
 class RowsOfCubes : public ::testing::Test {
  protected:
   RowsOfCubes() {
@@ -60,7 +60,7 @@ class RowsOfCubes : public ::testing::Test {
   OrganizedCloud cloud_;
 };
 
-TEST_F(RowsOfCubes, CubeOfAnotherColourScoresLess) {
+TEST_F(RowsOfCubes, CubeOfAnotherColorScoresLess) {
   PaintAll(kRed);
   EXPECT_THAT(Scores(), Each(kScore));
   Paint(2, kGrey);
@@ -81,7 +81,7 @@ TEST_F(RowsOfCubes, ManyPosesOfADistractorDoNotOutvoteTheObjects) {
   for (int i = kCubes; i < 3 * kCubes; ++i) EXPECT_LT(all[i].score, 0.2);
 }
 
-// Without colour consistency the distractor would be among the seven known instances.
+// Without color consistency the distractor would be among the seven known instances.
 TEST_F(RowsOfCubes, DistractorTakesNoPlaceInTheCount) {
   PaintAll(kRed);
   Paint(2, kGrey);
@@ -114,14 +114,14 @@ TEST_F(RowsOfCubes, ShadowAndTintAreTolerated) {
   EXPECT_THAT(Scores(), Each(kScore));
 }
 
-TEST_F(RowsOfCubes, NoScoreFallsIfAllColoursDiffer) {
+TEST_F(RowsOfCubes, NoScoreFallsIfAllColorsDiffer) {
   const Rgb8 toys[kCubes] = {{200, 60, 60},  {60, 200, 60},  {60, 60, 200},   {200, 200, 60},
                              {60, 200, 200}, {200, 60, 200}, {140, 140, 140}, {220, 130, 50}};
   for (int i = 0; i < kCubes; ++i) Paint(i, toys[i]);
   EXPECT_THAT(Scores(), Each(kScore));
 }
 
-TEST_F(RowsOfCubes, LowScoresDoNotDefineTheCommonColour) {
+TEST_F(RowsOfCubes, LowScoresDoNotDefineTheCommonColor) {
   PaintAll(kGrey);
   for (int i = 0; i < 5; ++i) Paint(i, kRed);
   for (int i = 0; i < 5; ++i) hypotheses_[i].score = 0.3;
@@ -132,7 +132,7 @@ TEST_F(RowsOfCubes, LowScoresDoNotDefineTheCommonColour) {
   EXPECT_LT(Scores()[5], 0.01);
 }
 
-TEST_F(RowsOfCubes, EachObjectHasItsOwnCommonColour) {
+TEST_F(RowsOfCubes, EachObjectHasItsOwnCommonColor) {
   models_.push_back(models_[0]);
   for (int i = 0; i < kCubes; ++i) Paint(i, i < 5 ? kRed : kGrey);
   for (int i = 5; i < kCubes; ++i) hypotheses_[i].object = ObjectId{1};
@@ -149,7 +149,7 @@ TEST_F(RowsOfCubes, UndecidablePosesAreUnchanged) {
   models_[0].texture.colors.clear();
   EXPECT_LT(Scores()[2], kScore);
   cloud_.color = {};
-  EXPECT_EQ(Scores()[2], kScore) << "no colours";
+  EXPECT_EQ(Scores()[2], kScore) << "no colors";
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ const Pose kInFront = Translation({0, 0, 0.4});
 
 ModelPoints Bracket() { return MakeModelPoints(*ObjectOf(BracketMesh()), 300, 60); }
 
-// A cloud of one depth and one colour.
+// A cloud of one depth and one color.
 OrganizedCloud FlatCloud(int width, int height, float depth_m) {
   RgbdFrame frame;
   frame.intrinsics = {width, height, 300, 300, 0.5 * (width - 1), 0.5 * (height - 1)};
@@ -269,7 +269,7 @@ TEST(DegenerateContact, PointsAreOverTheFloorByTheirHeight) {
   EXPECT_NEAR(below.outside_m, 0.2f, 1e-6f);
 }
 
-TEST(DegenerateColors, NothingIsOddWithoutColourReadingsOrInstances) {
+TEST(DegenerateColors, NothingIsOddWithoutColorReadingsOrInstances) {
   const std::vector<ModelPoints> models{Bracket()};
   const std::vector<PoseHypothesis> accepted(8, HypothesisAt(kInFront, 0.9));
   OrganizedCloud grey = FlatCloud(320, 240, 0.4f);

@@ -30,6 +30,15 @@ TEST(LogitPenalty, IsZeroInsideAndNeverFalls) {
   EXPECT_GT(LogitPenalty({}, 60, 0.8), LogitPenalty({}, 60, 0.5));
 }
 
+TEST(DiameterInImage, IsTheDistanceOfTheProjectedEnds) {
+  const CameraIntrinsics camera(200, 100, 90, 90, 99.5, 49.5);
+  const Pose X_CO = Translation({0.2, -0.1, 0.5});
+  const Eigen::Vector2d left = Project(camera, X_CO * Eigen::Vector3d(-0.03, 0, 0));
+  const Eigen::Vector2d right = Project(camera, X_CO * Eigen::Vector3d(0.03, 0, 0));
+  EXPECT_NEAR(DiameterInImage_px(camera, 0.06, X_CO), (right - left).norm(), 1e-9);
+  EXPECT_TRUE(std::isfinite(DiameterInImage_px(camera, 0.06, Translation({0, 0, 0}))));
+}
+
 TEST(OutsideShare, IsTheShareOfTheNearSideBeyondTheEdge) {
   const CameraIntrinsics camera(200, 100, 100, 100, 99.5, 49.5);
   const ModelPoints plate = MakeModelPoints(*ObjectOf(BoxMesh({0.2, 0.2, 0.002}, {0, 0, 0})));

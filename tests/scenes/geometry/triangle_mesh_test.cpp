@@ -107,7 +107,7 @@ TEST(Append, AddsFacesAndKeepsAttributesOfBoth) {
               1e-12);
 }
 
-TEST(Append, ConvertsDifferentBaseColoursToVertexColours) {
+TEST(Append, ConvertsDifferentBaseColorsToVertexColors) {
   TriangleMesh red = BoxShape({1, 1, 1}), blue = BoxShape({1, 1, 1});
   red.base_color = {255, 0, 0};
   blue.base_color = {0, 0, 255};
@@ -179,7 +179,7 @@ TEST(SampleSurface, RepeatsForASeedAndRefusesAnEmptyMesh) {
   InputErrorOf([&] { SampleSurface({}, 1, a); });
 }
 
-TEST(MeshHash, DependsOnGeometryButNotOnColour) {
+TEST(MeshHash, DependsOnGeometryButNotOnColor) {
   TriangleMesh mesh = BallShape(1, 2), colored = mesh;
   colored.base_color = {1, 2, 3};
   colored.normals.clear();

@@ -90,7 +90,7 @@ TEST(FaultOfImage, DataOfAPngThatDoesNotFitItsHeaderIsNoticed) {
   EXPECT_THAT(FaultOfImage(WithHeight(png, 0)), HasSubstr("damaged header"));
 }
 
-// One invalid value each of depth, colour type, compression, filter and interlace, and a width of
+// One invalid value each of depth, color type, compression, filter and interlace, and a width of
 // 2,100 million pixels.
 TEST(FaultOfImage, InvalidHeadersOfPngsAreNoticed) {
   const std::string png = EncodePng(Image<uint16_t>(5, 4), 3);

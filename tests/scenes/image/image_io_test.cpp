@@ -23,7 +23,7 @@ Image<Rgb8> RandomImage(int width, int height) {
   return image;
 }
 
-TEST(Png, ColourRoundTripsAndBytesAreReproducible) {
+TEST(Png, ColorRoundTripsAndBytesAreReproducible) {
   const TemporaryFolder folder;
   for (const auto& [width, height] : {std::pair(1, 1), std::pair(7, 5), std::pair(64, 33)}) {
     const Image<Rgb8> image = RandomImage(width, height);
@@ -88,7 +88,7 @@ Eigen::Vector3d MeanColor(const Image<Rgb8>& image) {
   return sum / static_cast<double>(image.size());
 }
 
-TEST(Narrowed, KeepsAspectRatioAndMeanColour) {
+TEST(Narrowed, KeepsAspectRatioAndMeanColor) {
   const Image<Rgb8> image = RandomImage(120, 90);
   const Image<Rgb8> narrowed = Narrowed(image, 40);
   EXPECT_EQ(narrowed.width(), 40);

@@ -217,13 +217,13 @@ source="#p"/></vertices><triangles count="{}"><input semantic="VERTEX" source="#
 
 TEST(LoadMesh, LoadsTexturesWithVZeroAtTheTopRow) {
   const TemporaryFolder folder;
-  WritePng(folder.path() / "four.png", FourColours());
+  WritePng(folder.path() / "four.png", FourColors());
   folder.Write("quad.mtl", "newmtl m\nKd 1 1 1\nmap_Kd C:\\somewhere\\else\\four.png\n");
   const TriangleMesh obj = LoadMesh(
       folder.Write("quad.obj",
                    "mtllib quad.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\n"
                    "f 1/1 2/2 3/3\n"));
-  EXPECT_EQ(obj.texture, FourColours());
+  EXPECT_EQ(obj.texture, FourColors());
   ASSERT_EQ(obj.uvs.size(), 3u);
   EXPECT_TRUE(obj.uvs[0].isApprox(Eigen::Vector2d(0, 1)));  // OBJ's v = 0 is the bottom row
   const TriangleMesh external = LoadMesh(folder.Write("t.gltf", TriangleGltf("", "four.png")));
@@ -231,7 +231,7 @@ TEST(LoadMesh, LoadsTexturesWithVZeroAtTheTopRow) {
   const TriangleMesh embedded =
       LoadMesh(folder.Write("e.gltf", TriangleGltf("", "data:image/png;base64," + png)));
   for (const TriangleMesh& gltf : {external, embedded}) {
-    EXPECT_EQ(gltf.texture, FourColours());
+    EXPECT_EQ(gltf.texture, FourColors());
     ASSERT_EQ(gltf.uvs.size(), 3u);
     EXPECT_TRUE(gltf.uvs[0].isZero(1e-6));  // glTF's v = 0 is the top row
   }
@@ -259,9 +259,9 @@ TEST(LoadMesh, MissingTexturesAndMaterialsAreIgnored) {
   }
 }
 
-TEST(LoadMesh, ConvertsSeveralTexturesToVertexColours) {
+TEST(LoadMesh, ConvertsSeveralTexturesToVertexColors) {
   const TemporaryFolder folder;
-  WritePng(folder.path() / "a.png", FourColours());
+  WritePng(folder.path() / "a.png", FourColors());
   WritePng(folder.path() / "b.png", Image<Rgb8>(2, 2, {1, 2, 3}));
   folder.Write("m.mtl", "newmtl a\nmap_Kd a.png\nnewmtl b\nmap_Kd b.png\nnewmtl c\nKd 0 0 1\n");
   const TriangleMesh mesh = LoadMesh(folder.Write(

@@ -61,7 +61,7 @@ TEST(ObjText, NumbersAndCornersAreChecked) {
        {"a broken normal", Obj("vn 0 0 0x10"), "line 5 '0x10' is no number"},
        {"a broken texture coordinate", Obj("vt 0 1.5.2"), "line 5 '1.5.2' is no number"},
        {"too few numbers", Obj("v 0 1"), "line 5 has 2 numbers after 'v'"},
-       {"vertices with weight and colour", Obj("v 0 1 0 1 0.5 0.5 0.5\nv 0 1 0 1"), ""},
+       {"vertices with weight and color", Obj("v 0 1 0 1 0.5 0.5 0.5\nv 0 1 0 1"), ""},
        {"too many numbers", Obj("v 0 1 0 1 0.5 0.5 0.5 1"), "line 5 has 8 numbers after 'v'"},
        {"a normal of four numbers", Obj("vn 0 0 4 3"), "line 5 has 4 numbers after 'vn'"},
        {"lines and points", Obj("l 1 2 3\np 1"), ""},

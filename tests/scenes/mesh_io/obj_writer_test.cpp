@@ -44,7 +44,7 @@ TEST(SaveObj, RoundTripsGeometryAndAttributes) {
     textured.uvs.emplace_back(0.5 + 0.4 * smooth.normals[i].x(), 0.5 + 0.3 * smooth.normals[i].y());
   }
   painted.base_color = {200, 30, 40};
-  textured.texture = FourColours();
+  textured.texture = FourColors();
   textured.base_color = {255, 255, 255};
   for (const TriangleMesh& mesh : {plain, smooth, colored, painted, textured}) {
     SaveObj(path, mesh);

@@ -112,7 +112,7 @@ TEST(GlbBytes, SmoothNormalsAreWrittenAndFlatNormalsAreNot) {
   }
 }
 
-TEST(GlbBytes, ColoursAreLinearInTheFile) {
+TEST(GlbBytes, ColorsAreLinearInTheFile) {
   const TriangleMesh box = BoxShape({0.1, 0.2, 0.3});
   const std::vector<GlbPart> glb_parts = {{"opaque", &box, Pose::Identity(), {0, 0.5f, 1, 1}},
                                           {"glass", &box, Pose::Identity(), {1, 0.02f, 0, 0.25f}}};
@@ -135,7 +135,7 @@ TEST(GlbBytes, ColoursAreLinearInTheFile) {
   }
 }
 
-TEST(GlbBytes, EqualMeshesOfEqualColourShareTheirGeometry) {
+TEST(GlbBytes, EqualMeshesOfEqualColorShareTheirGeometry) {
   const TriangleMesh ball = BallShape(0.05, 4);
   const GlbPart red{"a", &ball, Pose::Identity(), {1, 0, 0, 1}};
   std::vector<GlbPart> glb_parts = {red};
@@ -148,7 +148,7 @@ TEST(GlbBytes, EqualMeshesOfEqualColourShareTheirGeometry) {
   EXPECT_EQ(ReadBack(GlbBytes(glb_parts, {})).scene->mNumMeshes, 2u);
 }
 
-TEST(GlbBytes, CloudsAreColouredPoints) {
+TEST(GlbBytes, CloudsAreColoredPoints) {
   const GlbCloud cloud = ThreePoints();
   const std::string glb = GlbBytes({}, {&cloud, 1});
   const ReadBack read(glb);
@@ -215,7 +215,7 @@ TEST(GlbBytes, RefusesEmptyMeshesAndScenes) {
   EXPECT_THROW(GlbBytes({}, {&cloud, 1}), std::logic_error);
 }
 
-TEST(PlyCloudBytes, HoldEachPointAndColour) {
+TEST(PlyCloudBytes, HoldEachPointAndColor) {
   const GlbCloud cloud = ThreePoints();
   const std::string ply = PlyCloudBytes(cloud.points_W, cloud.rgb);
   EXPECT_TRUE(ply.starts_with("ply\nformat binary_little_endian 1.0\nelement vertex 3\n"));
@@ -229,7 +229,7 @@ TEST(PlyCloudBytes, HoldEachPointAndColour) {
   EXPECT_EQ(ply.substr(header + 15 + 12, 3), std::string("\x00\x80\x00", 3));
 }
 
-TEST(PlyCloudBytes, NeedAColourForEachPoint) {
+TEST(PlyCloudBytes, NeedAColorForEachPoint) {
   const GlbCloud cloud = ThreePoints();
   EXPECT_THROW(PlyCloudBytes(cloud.points_W, {}), std::logic_error);
 }

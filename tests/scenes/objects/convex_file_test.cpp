@@ -23,7 +23,7 @@ TEST(LoadConvexPieces, ReadsEachGroupInItsUnit) {
   EXPECT_TRUE(pieces[1].vertices_O[4].isApprox(Eigen::Vector3d(0.003, 0.001, 0.001)));
 }
 
-// Other programs write the weight or the colour of a vertex behind its place.
+// Other programs write the weight or the color of a vertex behind its place.
 TEST(LoadConvexPieces, FurtherNumbersOfAVertexAreSkipped) {
   const TemporaryFolder folder;
   const auto path = folder.Write(

@@ -336,7 +336,7 @@ TEST(PartFamilyVolume, PipeTeeMatchesAMonteCarloEstimate) {
               0.02 * counted_mm3);
 }
 
-TEST(PartFamilyTexture, CartonHasDifferentColoursOnEachSide) {
+TEST(PartFamilyTexture, CartonHasDifferentColorsOnEachSide) {
   const FamilyObject carton = Make("carton");
   ASSERT_FALSE(carton.mesh_O.texture.empty());
   ASSERT_EQ(carton.mesh_O.uvs.size(), carton.mesh_O.vertices.size());

@@ -151,7 +151,7 @@ TEST(RendererReference, AgreesWithAnotherRenderer) {
   RecordProperty("depths_within_50_um", std::to_string(1.0 * near / intersection));
 }
 
-// The two drivers agree on the same scene: colour within one grey level, depth within 10 um, same
+// The two drivers agree on the same scene: color within one grey level, depth within 10 um, same
 // ids.
 TEST(RendererReference, OsMesaAndEglAgree) {
   const auto draw = [](GlBackend backend) {

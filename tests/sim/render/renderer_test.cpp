@@ -168,7 +168,7 @@ TEST(Renderer, TextureIsUprightAndNotReflected) {
   EXPECT_EQ(image.color(43, 43), white);
 }
 
-TEST(Renderer, VertexAndBaseColoursAreDrawn) {
+TEST(Renderer, VertexAndBaseColorsAreDrawn) {
   TriangleMesh mesh = RectangleMesh(-0.1, -0.1, 0.1, 0.1);
   mesh.base_color = {10, 200, 90};
   Renderer renderer;

@@ -47,7 +47,7 @@ struct RandomInstances {
   Camera camera;
 };
 
-// Returns the fraction of pixels with the same id, colour within one grey level and depth within
+// Returns the fraction of pixels with the same id, color within one grey level and depth within
 // 0.01 mm.
 double AgreeingFraction(const RenderedImage& a, const RenderedImage& b) {
   const auto close = [](uint8_t x, uint8_t y) { return std::abs(x - y) <= 1; };

@@ -264,7 +264,7 @@ TEST(SensorEffects, DarkAndShinyDropoutMatchTheirFormula) {
   EXPECT_NEAR(holes({0, 0, 255}), 0.6 * (1 - 0.114 / 0.2), 0.012);
   EXPECT_EQ(holes({0, 255, 0}), 0);
   EXPECT_EQ(HoleFraction(Sensed(ideal, p), 0, 320), 0)
-      << "no dark or shiny dropout without a colour image";
+      << "no dark or shiny dropout without a color image";
 }
 
 TEST(SensorEffects, SurvivalProbabilitiesMultiply) {

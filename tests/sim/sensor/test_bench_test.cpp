@@ -32,7 +32,7 @@ TEST(SensorTestBench, MeasuredNoiseMatchesTheFormulas) {
   }
 }
 
-TEST(SensorTestBench, SceneHasBoxBoardsAndColouredAreas) {
+TEST(SensorTestBench, SceneHasBoxBoardsAndColoredAreas) {
   const SensorScene scene = MakeSensorScene(2);
   EXPECT_FLOAT_EQ(scene.depth_m(0, 0), 2);
   EXPECT_FLOAT_EQ(scene.depth_m(90, 100), 1.6f);  // the box
