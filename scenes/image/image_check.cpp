@@ -5,14 +5,20 @@
 #include <jpeglib.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/crc.hpp>
 #include <csetjmp>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
+#include <map>
 #include <numeric>
 #include <optional>
+#include <set>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -180,24 +186,52 @@ void DecodeSmall(const unsigned char* bytes, size_t size, jpeg_decompress_struct
   jpeg_finish_decompress(&codec);
 }
 
-// Each symbol of a table has one code. Encoders write no symbol twice.
-bool HasSymbolTwice(const JHUFF_TBL& table) {
+std::span<const UINT8> SymbolsOf(const JHUFF_TBL& table) {
   constexpr int kMaxLength = 16, kSymbols = 256;
   const int count = std::accumulate(table.bits + 1, table.bits + 1 + kMaxLength, 0);
-  std::array<bool, kSymbols> seen{};
-  for (int i = 0; i < std::min(count, kSymbols); ++i) {
-    if (std::exchange(seen[table.huffval[i]], true)) return true;
+  return {table.huffval, static_cast<size_t>(std::min(count, kSymbols))};
+}
+
+// Each symbol of a table has one code. Encoders write no symbol twice.
+bool HasSymbolTwice(const JHUFF_TBL& table) {
+  std::array<bool, 256> seen{};
+  for (const UINT8 symbol : SymbolsOf(table)) {
+    if (std::exchange(seen[symbol], true)) return true;
   }
   return false;
 }
 
-bool HasDamagedTable(const jpeg_decompress_struct& codec) {
-  for (const auto& tables : {codec.dc_huff_tbl_ptrs, codec.ac_huff_tbl_ptrs}) {
-    for (int i = 0; i < NUM_HUFF_TBLS; ++i) {
-      if (tables[i] != nullptr && HasSymbolTwice(*tables[i])) return true;
+// Whether a table of an image of 8 bits can have the symbol (ITU T.81, sections F.1.2 and G.1.2).
+// It is a number of bits. In a table for AC coefficients, its upper half is a run of zeros.
+bool CanBeSymbol(int symbol, bool is_ac, const jpeg_decompress_struct& codec) {
+  constexpr int kMaxDcBits = 11, kMaxAcBits = 10, kSixteenZeros = 0xf0;
+  if (!is_ac) return symbol <= kMaxDcBits;
+  const int bits = symbol & 0xf;
+  // In a progressive image, a symbol of no bits ends several blocks.
+  const bool may_be_end = codec.progressive_mode || symbol == 0 || symbol == kSixteenZeros;
+  return bits <= kMaxAcBits && (bits > 0 || may_be_end);
+}
+
+// Returns the fault of the symbols of a table; empty = none.
+std::string FaultOfTable(const JHUFF_TBL& table, bool is_ac, const jpeg_decompress_struct& codec) {
+  if (HasSymbolTwice(table)) return "has a symbol twice";
+  for (const UINT8 symbol : SymbolsOf(table)) {
+    if (CanBeSymbol(symbol, is_ac, codec)) continue;
+    return fmt::format("has the symbol {:#04x}, which is none", symbol);
+  }
+  return "";
+}
+
+std::string FaultOfTables(const jpeg_decompress_struct& codec) {
+  for (int i = 0; i < NUM_HUFF_TBLS; ++i) {
+    for (const bool is_ac : {false, true}) {
+      const JHUFF_TBL* const table = is_ac ? codec.ac_huff_tbl_ptrs[i] : codec.dc_huff_tbl_ptrs[i];
+      if (table == nullptr) continue;
+      std::string fault = FaultOfTable(*table, is_ac, codec);
+      if (!fault.empty()) return fault;
     }
   }
-  return false;
+  return "";
 }
 
 std::string FaultOfJpeg(std::string_view bytes) {
@@ -207,11 +241,67 @@ std::string FaultOfJpeg(std::string_view bytes) {
   errors.manager.error_exit = LeaveOnError;
   errors.manager.emit_message = KeepWarning;
   DecodeSmall(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), codec, errors);
-  const bool has_damaged_table = HasDamagedTable(codec);
+  const std::string table = FaultOfTables(codec);
   jpeg_destroy_decompress(&codec);
-  if (has_damaged_table) return "the JPEG is damaged: a table of codes has a symbol twice";
+  if (!table.empty()) return "the JPEG is damaged: a table of codes " + table;
   if (errors.text[0] == 0) return "";
   return fmt::format("the JPEG is damaged: {}", OneLine(errors.text));
+}
+
+// ---- OpenEXR ----
+
+constexpr std::string_view kExrHead("\x76\x2f\x31\x01", 4);
+
+// Type of an attribute, and the bytes of its value; 0 = any.
+struct ExrType {
+  std::string_view name;
+  uint32_t bytes;
+};
+
+// The attributes that each file has (OpenEXR, "OpenEXR File Layout"). The library takes its
+// defaults for the ones that are missing, and ignores the sizes of some.
+const std::map<std::string_view, ExrType>& ExrAttributes() {
+  static const std::map<std::string_view, ExrType> kAttributes = {
+      {"channels", {"chlist", 0}},        {"compression", {"compression", 1}},
+      {"dataWindow", {"box2i", 16}},      {"displayWindow", {"box2i", 16}},
+      {"lineOrder", {"lineOrder", 1}},    {"pixelAspectRatio", {"float", 4}},
+      {"screenWindowCenter", {"v2f", 8}}, {"screenWindowWidth", {"float", 4}}};
+  return kAttributes;
+}
+
+std::string FaultOfExr(std::string_view bytes) {
+  constexpr size_t kVersion = 8;  // bytes up to the first attribute
+  constexpr int kSeveralHeaders = 0x18;
+  const std::string no_end = "the EXR has a header without end";
+  if (bytes.size() < kVersion) return no_end;
+  if ((bytes[5] & kSeveralHeaders) != 0) return "";
+  std::set<std::string_view> found;
+  for (std::string_view rest = bytes.substr(kVersion);;) {
+    const size_t name_end = rest.find('\0');
+    if (name_end == 0) break;
+    const size_t type_end = name_end < rest.size() ? rest.find('\0', name_end + 1) : rest.npos;
+    uint32_t size = 0;
+    if (type_end > rest.size() || rest.size() - type_end <= sizeof size) return no_end;
+    std::memcpy(&size, rest.data() + type_end + 1, sizeof size);
+    const std::string_view name = rest.substr(0, name_end);
+    const std::string_view type = rest.substr(name_end + 1, type_end - name_end - 1);
+    rest.remove_prefix(type_end + 1 + sizeof size);
+    const auto known = ExrAttributes().find(name);
+    const bool is_damaged =
+        known != ExrAttributes().end() &&
+        (known->second.name != type || (known->second.bytes != 0 && known->second.bytes != size));
+    if (is_damaged || size > rest.size()) {
+      return fmt::format(
+          "the EXR has the attribute '{}' of type '{}' with {} bytes, so its header is damaged",
+          OneLine(std::string(name)), OneLine(std::string(type)), size);
+    }
+    found.insert(name);
+    rest.remove_prefix(size);
+  }
+  for (const auto& [name, type] : ExrAttributes()) {
+    if (!found.contains(name)) return fmt::format("the EXR has no attribute '{}'", name);
+  }
+  return "";
 }
 
 }  // namespace
@@ -229,6 +319,7 @@ bool IsJpeg(std::string_view bytes) { return bytes.starts_with("\xff\xd8"); }
 std::string FaultOfImage(std::string_view bytes) {
   if (IsPng(bytes)) return FaultOfPng(bytes);
   if (IsJpeg(bytes)) return FaultOfJpeg(bytes);
+  if (bytes.starts_with(kExrHead)) return FaultOfExr(bytes);
   return "";
 }
 

@@ -135,6 +135,45 @@ TEST(FaultOfImage, EveryCutOfAJpegIsNoticed) {
   EXPECT_THAT(FaultOfImage(jpeg.substr(0, jpeg.size() - 2)), HasSubstr("the JPEG is damaged"));
 }
 
+// The symbols of the standard tables that EncodeJpeg() writes: 12 of DC coefficients, and 162 of AC
+// coefficients (ITU T.81, annex K.3).
+TEST(FaultOfImage, SymbolsOfAJpegThatAreNoneAreNoticed) {
+  const std::string jpeg = EncodeJpeg(Noise(), 90);
+  const auto with = [&](std::string_view symbols, size_t at, char symbol) {
+    std::string damaged = jpeg;
+    const size_t table = jpeg.find(symbols);
+    EXPECT_NE(table, std::string::npos);
+    damaged[table + at] = symbol;
+    return FaultOfImage(damaged);
+  };
+  constexpr std::string_view kDc("\0\1\2\3\4\5\6\7\x8\x9\xa\xb", 12),
+      kAc("\x11\x05\x12\x21\x31\x41");
+  EXPECT_THAT(with(kDc, 11, 0xc), HasSubstr("a table of codes has the symbol 0x0c, which is none"));
+  EXPECT_THAT(with(kDc, 11, 0xa), HasSubstr("a table of codes has a symbol twice"));
+  EXPECT_THAT(with(kAc, 4, 0x2e), HasSubstr("has the symbol 0x2e, which is none"));
+  EXPECT_THAT(with(kAc, 4, 0x30), HasSubstr("has the symbol 0x30, which is none"));
+}
+
+// 24 x 16 grey pixels. Its tables have the symbol 0x20, which ends several blocks.
+TEST(FaultOfImage, AProgressiveJpegHasNone) {
+  const std::string_view jpeg(
+      "\377\330\377\340\000\020JFIF\000\001\001\000\000\001\000\001\000\000\377\333\000C\000"
+      "\020\013\014\016\014\012\020\016\015\016\022\021\020\023\030(\032\030\026\026\0301#%"
+      "\035(:3=<9387@H\134N@DWE78PmQW_bghg>Mqypdx\134egc\377\302\000\013\010\000\020\000\030"
+      "\001\001\021\000\377\304\000\025\000\001\001\000\000\000\000\000\000\000\000\000\000"
+      "\000\000\000\000\004\005\377\332\000\010\001\001\000\000\000\001\216\367Hs\377\000\377"
+      "\304\000\026\020\000\003\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000"
+      "\001\002\377\332\000\010\001\001\000\001\005\002\204J!\020\210D#\377\304\000\024\020"
+      "\001\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000 \377\332\000\010\001"
+      "\001\000\006\077\002_\377\304\000\024\020\001\000\000\000\000\000\000\000\000\000\000"
+      "\000\000\000\000\000 \377\332\000\010\001\001\000\001\077!D\001\377\332\000\010\001"
+      "\001\000\000\000\020\233\377\304\000\027\020\001\001\001\001\000\000\000\000\000\000"
+      "\000\000\000\000\000\000\0001\021A\377\332\000\010\001\001\000\001\077\020\213<\352("
+      "\242\213\377\331",
+      303);
+  EXPECT_EQ(FaultOfImage(jpeg), "");
+}
+
 TEST(FaultOfImage, DamagedDataOfAJpegIsNoticed) {
   const std::string jpeg = EncodeJpeg(Noise(), 90);
   std::string zeros = jpeg, short_data = jpeg;

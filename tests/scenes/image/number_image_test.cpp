@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 #include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
@@ -45,6 +46,34 @@ TEST(NumberImage, IntegersKeepTheirValuesAndBits) {
   EXPECT_EQ(read.bits, 16);
   EXPECT_FALSE(read.is_float);
   EXPECT_EQ(read.values(1, 0), 65535);
+}
+
+// The library of OpenEXR would take its default in place of a missing attribute.
+TEST(NumberImage, DamagedHeadersOfExrFilesAreRefused) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "a.exr";
+  WriteFloats(file, Ramp());
+  const std::string exr = ReadFileBytes(file);
+  const auto error = [&](const std::string& name, size_t at, char byte) {
+    std::string damaged = exr;
+    const size_t begin = exr.find(name + '\0');
+    EXPECT_NE(begin, std::string::npos) << name;
+    damaged[begin + at] = byte;
+    folder.Write("a.exr", damaged);
+    return ErrorOf([&] { ReadNumberImage(file); });
+  };
+  for (const std::string name :
+       {"channels", "compression", "dataWindow", "displayWindow", "lineOrder", "pixelAspectRatio",
+        "screenWindowCenter", "screenWindowWidth"}) {
+    EXPECT_THAT(error(name, 2, 'X'), HasSubstr("the EXR has no attribute '" + name + "'"));
+    EXPECT_THAT(error(name, name.size() + 1, 'X'),
+                HasSubstr("the EXR has the attribute '" + name + "' of type 'X"));
+  }
+  const size_t size = 2 * std::string("lineOrder ").size();
+  EXPECT_THAT(error("lineOrder", size, '\2'), HasSubstr("of type 'lineOrder' with 2 bytes"));
+  EXPECT_THAT(error("lineOrder", size + 2, '\4'), HasSubstr("with 262145 bytes"));
+  folder.Write("a.exr", exr.substr(0, 40));
+  EXPECT_THAT(ErrorOf([&] { ReadNumberImage(file); }), HasSubstr("header"));
 }
 
 std::string Numpy(const std::string& header, const std::string& data) {
