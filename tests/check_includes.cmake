@@ -38,7 +38,7 @@ set(third_party
   "yaml-cpp/=>^scenes/base/(settings(_tree|_names)?\\.cpp|yaml\\.(h|cpp))$"
   "sqlite3=>^eval/store/[a-z_]+\\.(cpp|h)$"
   "boost/=>^(eval/stats/[a-z_]+|scenes/image/image_check)\\.cpp$"
-  "nlohmann/=>^eval/.+\\.(cpp|h)$"
+  "nlohmann/=>^(eval/.+\\.(cpp|h)|scenes/mesh_io/gltf_check\\.cpp)$"
   "CLI/=>^eval/cli/.+\\.(cpp|h)$"
   "pybind11/=>^eval/python/[a-z_]+\\.(cpp|h)$"
 )

@@ -83,6 +83,11 @@ class TextureLoader {
 
   const Image<Rgb8>& image(int index) const { return images_[index]; }
 
+  void RequireNumbers(const Eigen::Vector2d& uv) const {
+    CheckInput(uv.allFinite(), "mesh '" + path_.string() +
+                                   "' has a texture coordinate that is no number; export it again");
+  }
+
  private:
   std::optional<Image<Rgb8>> Read(const std::string& name) const {
     if (const aiTexture* embedded = scene_.GetEmbeddedTexture(name.c_str())) {
@@ -177,6 +182,7 @@ Submesh MakeSubmesh(const aiMesh& source, const Eigen::Affine3d& T, const aiMate
       if (submesh.texture != kNoTexture) {
         const aiVector3D& uv = source.mTextureCoords[0][i];
         mesh.uvs.emplace_back(uv.x, 1.0 - uv.y);  // assimp counts v from the bottom row
+        loader.RequireNumbers(mesh.uvs.back());
       }
       if (source.HasVertexColors(0)) mesh.colors.push_back(ToRgb(source.mColors[0][i]));
     }
@@ -194,6 +200,21 @@ void CheckNormals(const std::filesystem::path& path, const aiScene& scene) {
         CheckInput(!(std::abs(component) > kMaxNormal),
                    fmt::format("mesh '{}' has a normal with the component {:g}; export it again",
                                path.string(), component));
+      }
+    }
+  }
+}
+
+// A texture coordinate that is not a number is allowed if there is no texture.
+void CheckTextureCoordinates(const std::filesystem::path& path, const aiScene& scene) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    for (unsigned i = 0; mesh.HasTextureCoords(0) && i < mesh.mNumVertices; ++i) {
+      const aiVector3D& uv = mesh.mTextureCoords[0][i];
+      for (const double coordinate : {uv.x, uv.y}) {
+        CheckInput(!(std::abs(coordinate) > kMaxTextureCoordinate),
+                   fmt::format("mesh '{}' has the texture coordinate {:g}; export it again",
+                               path.string(), coordinate));
       }
     }
   }
@@ -334,6 +355,7 @@ ImportedMesh ImportMesh(const fs::path& path, double scale) {
   if (!warnings.last().empty()) RefuseUnreadable(path, OneLine(warnings.last()));
   CheckFaces(path, *scene);
   CheckNormals(path, *scene);
+  CheckTextureCoordinates(path, *scene);
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr) RefuseUnreadable(path, importer.GetErrorString());
   CheckFaceCount(path, CountFaces(*scene, *scene->mRootNode));

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <fstream>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "scenes/base/error.h"
 #include "scenes/base/message_text.h"
 #include "scenes/mesh_io/collada_check.h"
+#include "scenes/mesh_io/gltf_check.h"
 #include "scenes/mesh_io/mesh_file_check.h"
 #include "scenes/mesh_io/number_words.h"
 #include "scenes/mesh_io/ply_check.h"
@@ -71,36 +73,6 @@ WordLimits LimitsOf(std::string_view kind) {
   if (kind == "vn") return {3, 3};
   if (kind == "vt") return {1, 3};
   return {kind == "l" ? 2u : 1u, SIZE_MAX};
-}
-
-// The fault of a statement of an OBJ; empty = none.
-std::string FaultOfObj(const std::vector<std::string_view>& words) {
-  if (words.empty()) return "";
-  const std::string_view kind = words.front();
-  const auto shown = [](std::string_view word) { return "'" + OneLine(std::string(word)) + "'"; };
-  if (!IsStatement(kind)) return fmt::format("begins with {}, which is no word", shown(kind));
-  const bool has_numbers = kind == "v" || kind == "vn" || kind == "vt";
-  if (!has_numbers && kind != "f" && kind != "l" && kind != "p") {
-    // Statements of other programs have names of their own.
-    if (kind.size() < 4) return "";
-    const std::string near = NearestName(kind, {"usemtl", "mtllib", "usemap", "maplib"});
-    if (near.empty() || near == kind) return "";
-    return fmt::format("begins with the unknown word {}; did you mean {}?", shown(kind), near);
-  }
-  for (size_t i = 1; i < words.size(); ++i) {
-    if (has_numbers && !NumberIn(words[i])) return shown(words[i]) + " is no number";
-    if (has_numbers) continue;
-    if (!IsCorner(words[i])) {
-      return shown(words[i]) + (kind == "f" ? " is no corner of a face" : " is no corner");
-    }
-    if (FormOf(words[i]) != FormOf(words[1])) {
-      return fmt::format("has corners of two forms, {} and {}", shown(words[1]), shown(words[i]));
-    }
-  }
-  const size_t count = words.size() - 1;
-  const WordLimits limits = LimitsOf(kind);
-  if (count >= limits.min && count <= limits.max) return "";
-  return fmt::format("has {} {} after {}", count, has_numbers ? "numbers" : "corners", shown(kind));
 }
 
 // Checks the indices of faces into the lists of texture coordinates and normals. The importer
@@ -228,6 +200,39 @@ void CheckMeshText(const fs::path& path) {
   if (extension == ".stl") CheckStlText(path);
   if (extension == ".ply") CheckPly(path);
   if (extension == ".dae") CheckCollada(path);
+  if (extension == ".gltf" || extension == ".glb") CheckGltf(path);
+}
+
+std::string FaultOfObjLine(std::span<const std::string_view> words) {
+  if (words.empty()) return "";
+  const std::string_view kind = words.front();
+  const auto shown = [](std::string_view word) { return "'" + OneLine(std::string(word)) + "'"; };
+  if (!IsStatement(kind)) return fmt::format("begins with {}, which is no word", shown(kind));
+  const bool has_numbers = kind == "v" || kind == "vn" || kind == "vt";
+  if (!has_numbers && kind != "f" && kind != "l" && kind != "p") {
+    // Statements of other programs have names of their own.
+    if (kind.size() < 4) return "";
+    const std::string near = NearestName(kind, {"usemtl", "mtllib", "usemap", "maplib"});
+    if (near.empty() || near == kind) return "";
+    return fmt::format("begins with the unknown word {}; did you mean {}?", shown(kind), near);
+  }
+  for (size_t i = 1; i < words.size(); ++i) {
+    if (has_numbers && !NumberIn(words[i])) return shown(words[i]) + " is no number";
+    if (kind == "vt" && std::abs(*NumberIn(words[i])) > kMaxTextureCoordinate) {
+      return "has the texture coordinate " + shown(words[i]);
+    }
+    if (has_numbers) continue;
+    if (!IsCorner(words[i])) {
+      return shown(words[i]) + (kind == "f" ? " is no corner of a face" : " is no corner");
+    }
+    if (FormOf(words[i]) != FormOf(words[1])) {
+      return fmt::format("has corners of two forms, {} and {}", shown(words[1]), shown(words[i]));
+    }
+  }
+  const size_t count = words.size() - 1;
+  const WordLimits limits = LimitsOf(kind);
+  if (count >= limits.min && count <= limits.max) return "";
+  return fmt::format("has {} {} after {}", count, has_numbers ? "numbers" : "corners", shown(kind));
 }
 
 void CheckObjText(const fs::path& path) {
@@ -243,7 +248,7 @@ void CheckObjText(const fs::path& path) {
     continues = !words.empty() && words.back().ends_with('\\');
     has_long_lines |= continues;
     if (is_continued || continues) continue;
-    const std::string fault = FaultOfObj(words);
+    const std::string fault = FaultOfObjLine(words);
     if (!fault.empty()) RefuseUnreadable(path, fmt::format("line {} {}", number, fault));
     indices.Add(words, number);
   }

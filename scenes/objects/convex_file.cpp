@@ -4,14 +4,21 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <locale>
 #include <sstream>
+#include <string_view>
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/base/message_text.h"
+#include "scenes/mesh_io/mesh_file_check.h"
 #include "scenes/mesh_io/mesh_io.h"
+#include "scenes/mesh_io/mesh_text_check.h"
+#include "scenes/mesh_io/text_words.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -29,6 +36,26 @@ bool IsNumber(const std::string& word) {
   return text >> number && text.peek() == std::istringstream::traits_type::eof() &&
          std::isfinite(number);
 }
+
+// The largest index of a vertex among the faces, and its line.
+struct FaceCorners {
+  int64_t largest = 0;
+  int line_of_largest = 0;
+
+  // Adds the corners of a line that begins with "f". Returns false for a corner of index 0.
+  bool Add(std::span<const std::string_view> words, int line) {
+    if (words.empty() || words.front() != "f") return true;
+    for (const std::string_view corner : words.subspan(1)) {
+      int64_t index = 0;
+      std::from_chars(corner.data(), corner.data() + corner.size(), index);
+      if (index == 0) return false;
+      if (std::abs(index) <= largest) continue;  // a negative index counts back
+      largest = std::abs(index);
+      line_of_largest = line;
+    }
+    return true;
+  }
+};
 
 }  // namespace
 
@@ -48,6 +75,7 @@ std::vector<ConvexPiece> LoadConvexPieces(const std::filesystem::path& path,
                                           const std::string& unit) {
   const double scale = UnitInMeters(unit);
   std::istringstream lines(ReadFileBytes(path));
+  CheckMeshFile(path);
   std::vector<ConvexPiece> pieces;
   int number = 0;
   const auto check = [&](bool ok, const std::string& what) {
@@ -59,6 +87,8 @@ std::vector<ConvexPiece> LoadConvexPieces(const std::filesystem::path& path,
     check(pieces.empty() || SpansAVolume(pieces.back().vertices_O),
           "the vertices of a convex piece are in one plane");
   };
+  FaceCorners corners;
+  int64_t vertices = 0;
   for (std::string line; std::getline(lines, line);) {
     ++number;
     std::istringstream words(line);
@@ -79,9 +109,20 @@ std::vector<ConvexPiece> LoadConvexPieces(const std::filesystem::path& path,
             fmt::format("a coordinate is {:g} or more", kMaxCoordinate));
       check(!pieces.empty(), "a vertex precedes the first 'o' line");
       pieces.back().vertices_O.push_back(scale * v);
+      ++vertices;
+    } else {
+      const std::vector<std::string_view> statement = WordsOf(std::string_view(line));
+      const std::string fault = FaultOfObjLine(statement);
+      check(fault.empty(), fmt::format("this line {}; export the pieces again", fault));
+      check(corners.Add(statement, number),
+            "a face has corner 0, but the first is 1; export the pieces again");
     }
   }
   check_last_piece();
+  number = corners.line_of_largest;
+  check(corners.largest <= vertices,
+        fmt::format("a face has corner {}, but the file has {} vertices; export the pieces again",
+                    corners.largest, vertices));
   CheckInput(!pieces.empty(),
              fmt::format("'{}' has no 'o' group and therefore no pieces", path.string()));
   return pieces;

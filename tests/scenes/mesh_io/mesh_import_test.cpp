@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <limits>
+
 #include "scenes/image/image_io.h"
 #include "scenes/mesh_io/mesh_file_check.h"
 #include "tests/scenes/shapes.h"
@@ -50,6 +52,62 @@ TEST(ImportMesh, RefusesDamagedTextures) {
                 AllOf(HasSubstr(obj), HasSubstr(test.file_name), HasSubstr(test.message)))
         << test.file_name;
   }
+}
+
+// The importer takes 0 in place of a texture coordinate of an OBJ that is not a number.
+TEST(ImportMesh, RefusesFarTextureCoordinates) {
+  const TemporaryFolder folder;
+  const auto with = [&](const char* coordinate) {
+    return folder.Write(
+        "a.obj", fmt::format("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt {} 0\nf 1/1 2/1 3/1\n", coordinate));
+  };
+  for (const char* coordinate : {"-4000.5", "nan"})
+    EXPECT_NO_THROW(ImportMesh(with(coordinate), 1));
+  for (const char* coordinate : {"1e300", "-inf", "9223372036854775808"}) {
+    EXPECT_THAT(InputErrorOf([&] { ImportMesh(with(coordinate), 1); }),
+                HasSubstr(fmt::format("line 4 has the texture coordinate '{}'", coordinate)));
+  }
+}
+
+// Writes a triangle with this texture coordinate, and with a texture if it has a name.
+std::string WriteTexturedGltf(const TemporaryFolder& folder, float coordinate,
+                              const std::string& texture) {
+  const float vertices[] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, uvs[] = {0, 0, 1, coordinate, 0, 1};
+  std::string bytes(reinterpret_cast<const char*>(vertices), sizeof vertices);
+  bytes.append(reinterpret_cast<const char*>(uvs), sizeof uvs);
+  folder.Write("a.bin", bytes);
+  const std::string image = texture.empty() ? "" : R"(,"images":[{"uri":"a.png"}],
+"textures":[{"source":0}],
+"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}])";
+  return folder.Write("a.gltf", R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+"nodes":[{"mesh":0}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1})" +
+                                    std::string(image.empty() ? "" : R"(,"material":0)") + R"(}]}],
+"buffers":[{"uri":"a.bin","byteLength":60}],
+"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",
+"min":[0,0,0],"max":[1,1,0]},
+{"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}])" +
+                                    image + "}");
+}
+
+TEST(ImportMesh, RefusesTextureCoordinatesThatAreNone) {
+  const TemporaryFolder folder;
+  folder.Write("a.png", EncodePng(Image<Rgb8>(4, 4), 3));
+  const auto error = [&](float coordinate, const std::string& texture) {
+    const std::string file = WriteTexturedGltf(folder, coordinate, texture);
+    return InputErrorOf([&] {
+      ImportMesh(file, 1);
+      throw InputError("accepted");
+    });
+  };
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const char* texture : {"a.png", ""}) {
+    EXPECT_EQ(error(-4000.5f, texture), "accepted");
+    EXPECT_THAT(error(1e30f, texture), HasSubstr("a.gltf' has the texture coordinate"));
+  }
+  EXPECT_EQ(error(nan, ""), "accepted");
+  EXPECT_THAT(error(nan, "a.png"), HasSubstr("a.gltf' has a texture coordinate that is no number"));
 }
 
 // Writes a tetrahedron with these indices as the corners of its faces.

@@ -34,6 +34,17 @@ TEST(LoadConvexPieces, FurtherNumbersOfAVertexAreSkipped) {
   EXPECT_EQ(pieces[0].vertices_O[1], Eigen::Vector3d(1, 0, 0));
 }
 
+// Faces are not used, but damaged ones are a sign of a damaged file.
+TEST(LoadConvexPieces, FacesOfOtherProgramsAreAccepted) {
+  const TemporaryFolder folder;
+  const auto path =
+      folder.Write("convex.obj",
+                   "mtllib a.mtl\no a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvn 0 0 "
+                   "1\nusemtl None\ns off\n"
+                   "f 1/1/1 2/1/1 3/1/1\nf 1//1 2//1 4//1\nf -4 -3 -2 -1 # four corners\n");
+  EXPECT_EQ(LoadConvexPieces(path).size(), 1u);
+}
+
 TEST(LoadConvexPieces, ErrorsHoldTheFaultyLine) {
   const TemporaryFolder folder;
   struct {
@@ -51,6 +62,13 @@ TEST(LoadConvexPieces, ErrorsHoldTheFaultyLine) {
       {"o a\nv 1 0 0 x\n", "c.obj:2: 'x' follows the three numbers"},
       {"o a\nv 1e300 0 0\n", "c.obj:2: a coordinate is 1e+07 or more"},
       {"# nothing\n", "has no 'o' group"},
+      {"o a\ncW1\n", "c.obj:2: this line begins with 'cW1', which is no word"},
+      {"1844674407\n", "c.obj:1: this line begins with '1844674407'"},
+      {"o a\nf 1 \xb6 3\n", "is no corner of a face; export the pieces again"},
+      {"o a\nf 1 2 0\n", "c.obj:2: a face has corner 0"},
+      {"o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 5\nf 1 2 3\n",
+       "c.obj:6: a face has corner 5, but the file has 4 vertices"},
+      {"o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2", "its last line is incomplete"},
   };
   for (const auto& c : cases) {
     const auto path = folder.Write("c.obj", c.text);
