@@ -4,14 +4,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <string_view>
 #include <vector>
 
+#include "eval/frames/damaged_key.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 #include "scenes/base/settings_tree.h"
 
 namespace pickbed::eval {
@@ -57,6 +60,19 @@ void AddNumbers(const SettingsTree& node, std::vector<double>& numbers) {
   numbers.insert(numbers.end(), found->begin(), found->end());
 }
 
+// Checks the size of a matrix with its data, as ROS and OpenCV write it.
+void RequireSize(const SettingsTree& matrix, size_t numbers) {
+  const SettingsTree *rows = matrix.Find("rows"), *columns = matrix.Find("cols");
+  if (rows == nullptr || columns == nullptr) return;
+  std::vector<double> size;
+  AddNumbers(*rows, size);
+  AddNumbers(*columns, size);
+  CheckInput(size.size() == 2 && size[0] * size[1] == static_cast<double>(numbers),
+             fmt::format("{}: the matrix has {} numbers, not {} rows and {} columns; get the file "
+                         "again",
+                         matrix.place, numbers, rows->text, columns->text));
+}
+
 // Returns the numbers of the first of these keys that the map has. A map with `data`, as ROS and
 // OpenCV write matrices, gives its data.
 std::vector<double> NumbersOf(const SettingsTree& map, const std::vector<const char*>& keys) {
@@ -64,10 +80,12 @@ std::vector<double> NumbersOf(const SettingsTree& map, const std::vector<const c
   for (const char* key : keys) {
     const SettingsTree* node = map.Find(key);
     if (node == nullptr) continue;
-    if (node->kind == SettingsTree::Kind::kMap) node = node->Find("data");
+    const SettingsTree* const matrix = node->kind == SettingsTree::Kind::kMap ? node : nullptr;
+    if (matrix != nullptr) node = matrix->Find("data");
     if (node == nullptr) continue;
     if (IsNothing(*node)) return numbers;
     AddNumbers(*node, numbers);
+    if (matrix != nullptr) RequireSize(*matrix, numbers.size());
     return numbers;
   }
   return numbers;
@@ -104,10 +122,33 @@ void TakeMatrix(const std::vector<double>& k, const std::string& name, GivenIntr
              name + ": the camera matrix is not fx 0 cx 0 fy cy 0 0 1; give such a matrix");
 }
 
+// The wrong scale of the depth would not be noticed.
+void RequireKeyOfScale(const SettingsTree& map, const std::string& name) {
+  constexpr std::string_view kKey = "depth_scale";
+  for (const SettingsTree& item : map.items) {
+    CheckInput(!IsDamagedKey(item.key, kKey),
+               fmt::format("{}: has the unknown key '{}'; did you mean {}?", name,
+                           OneLine(item.key), kKey));
+  }
+}
+
+// A YAML file that is cut within a key ends with a word.
+void RequireNoCutKey(std::string_view text, const std::string& name) {
+  const size_t line_end = text.rfind('\n');
+  const std::string_view last = text.substr(line_end == text.npos ? 0 : line_end + 1);
+  const bool is_word = !last.empty() && std::ranges::all_of(last, [](unsigned char c) {
+    return std::isalpha(c) != 0 || c == '_';
+  });
+  CheckInput(!is_word, fmt::format("{}: its last line '{}' has no value, so it is cut short; get "
+                                   "the file again",
+                                   name, last));
+}
+
 // A depth_scale below this is metres per unit, as RealSense gives it, not BOP's millimetres.
 constexpr double kMinScale_mm = 0.005;
 
 GivenIntrinsics FromMap(const SettingsTree& map, const std::string& name) {
+  RequireKeyOfScale(map, name);
   GivenIntrinsics given;
   const std::vector<double> matrix =
       NumbersOf(map, {"cam_K", "K", "k", "camera_matrix", "intrinsic_matrix"});
@@ -187,6 +228,7 @@ GivenIntrinsics ReadIntrinsics(const std::string& text_or_file) {
       fmt::format("intrinsics {}: give four finite numbers FX,FY,CX,CY in px", text_or_file));
   std::string text = ReadFileText(text_or_file);
   if (const auto numbers = NumbersIn(text)) return FromNumbers(*numbers, text_or_file);
+  RequireNoCutKey(text, text_or_file);
   // OpenCV begins its YAML with a directive that YAML does not have.
   if (text.starts_with("%YAML")) text.erase(0, std::min(text.size(), text.find('\n')));
   return FromMap(ReadSettingsTreeText(text, text_or_file), text_or_file);

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <sstream>
+#include <string_view>
 
 #include "scenes/base/error.h"
 #include "scenes/base/message_text.h"
@@ -64,6 +66,14 @@ double BinaryValue(const char* at, const std::string& type) {
     default:
       return is_unsigned ? As<uint32_t>(at) : As<int32_t>(at);
   }
+}
+
+// Whether the number is a whole one of this integer type.
+bool IsInteger(double value, const std::string& type) {
+  const bool is_unsigned = type.starts_with("u");
+  const double values = std::exp2(8 * SizeOf(type));
+  const double first = is_unsigned ? 0 : -values / 2;
+  return value >= first && value < first + values && value == std::floor(value);
 }
 
 void ReadSize(std::istringstream& line, PlyHeader& header) {
@@ -129,7 +139,7 @@ class Numbers {
         name_(name) {}
 
   double Next(const std::string& type) {
-    if (is_ascii_) return NextWord();
+    if (is_ascii_) return NextWord(type);
     const int size = SizeOf(type);
     Require(end_ - at_ >= size);
     const double value = BinaryValue(at_, type);
@@ -138,11 +148,15 @@ class Numbers {
   }
 
  private:
-  double NextWord() {
-    while (at_ < end_ && (*at_ == ' ' || *at_ == '\n' || *at_ == '\r' || *at_ == '\t')) ++at_;
+  static bool IsSpace(char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
+  double NextWord(const std::string& type) {
+    while (at_ < end_ && IsSpace(*at_)) ++at_;
     double value = 0;
     const auto [after, error] = std::from_chars(at_, end_, value);
-    Require(error == std::errc());
+    Require(error == std::errc() && (after == end_ || IsSpace(*after)));
+    CheckInput(IsFloat(type) || IsInteger(value, type),
+               fmt::format("{}: the PLY file has the number {} of the type {}; get it again", name_,
+                           std::string_view(at_, after), type));
     at_ = after;
     return value;
   }

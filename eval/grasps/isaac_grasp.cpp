@@ -6,7 +6,9 @@
 #include <charconv>
 #include <cmath>
 
+#include "eval/frames/damaged_key.h"
 #include "scenes/base/error.h"
+#include "scenes/base/message_text.h"
 #include "scenes/base/settings_tree.h"
 
 namespace pickbed::eval {
@@ -67,11 +69,27 @@ Eigen::Matrix3d RotationOf(const SettingsTree& item) {
   return q.normalized().toRotationMatrix();
 }
 
+// Programs add keys of their own.
+void RequireNoDamagedKey(const SettingsTree& grasp) {
+  for (const SettingsTree& item : grasp.items) {
+    for (const char* key : {"confidence", "cspace_position", "pregrasp_cspace_position"}) {
+      CheckInput(!IsDamagedKey(item.key, key),
+                 fmt::format("{}: grasp '{}' has the unknown key '{}'; did you mean {}?",
+                             item.place, grasp.key, OneLine(item.key), key));
+    }
+  }
+}
+
+void RequireJoints(const SettingsTree& grasp, const std::string& key) {
+  const SettingsTree* joints = grasp.Find(key);
+  if (joints == nullptr || joints->kind != Kind::kMap) return;
+  for (const SettingsTree& joint : joints->items) NumberOf(joint, key + "." + joint.key);
+}
+
 // Distance of the contacts, if the joints are the distances of two pads from the center.
 std::optional<double> WidthOf(const SettingsTree& grasp) {
   const SettingsTree* joints = grasp.Find("cspace_position");
   if (joints == nullptr || joints->kind != Kind::kMap) return std::nullopt;
-  for (const SettingsTree& joint : joints->items) NumberOf(joint, "cspace_position." + joint.key);
   const SettingsTree *left = joints->Find("left_finger"), *right = joints->Find("right_finger");
   if (left == nullptr || right == nullptr) return std::nullopt;
   const double width_m = NumberOf(*left, "left_finger") + NumberOf(*right, "right_finger");
@@ -122,6 +140,10 @@ GraspFile ReadIsaacGrasps(const std::string& text, const std::string& name) {
                           VectorOf(Required(item, "position"), "position"));
     if (const SettingsTree* confidence = item.Find("confidence")) {
       grasp.confidence = NumberOf(*confidence, "confidence");
+    }
+    RequireNoDamagedKey(item);
+    for (const char* key : {"cspace_position", "pregrasp_cspace_position"}) {
+      RequireJoints(item, key);
     }
     grasp.width_m = WidthOf(item);
   }

@@ -111,6 +111,23 @@ TEST(CloudFile, RefusesDamagedFilesInOneLine) {
       HasSubstr("list"));
 }
 
+TEST(CloudFile, NumbersOfATextPlyMustHaveTheirTypes) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& color) {
+    std::string ply = PlyCloud("", true);
+    const std::string known = "16 32 48\n";
+    const auto file = folder.Write("b.ply", ply.replace(ply.find(known), known.size(), color));
+    return ErrorOf([&] { ReadCloudFile(file, {8, 6}); });
+  };
+  EXPECT_EQ(error("255 0 48.0\r\n"), "no error");
+  for (const char* number : {"-1e300", "256", "-1", "1.5", "nan"}) {
+    EXPECT_THAT(error(number + std::string(" 32 48\n")),
+                HasSubstr("the PLY file has the number " + std::string(number) + " of the type"));
+  }
+  EXPECT_THAT(error("16 3x 48\n"), HasSubstr("damaged"));
+  EXPECT_THAT(error("16 32 48\xb6\n"), HasSubstr("damaged"));
+}
+
 TEST(CloudFile, APcdHasAsManyBytesAsItsHeaderSays) {
   const TemporaryFolder folder;
   std::string pcd =

@@ -1,5 +1,6 @@
 #include "eval/frames/frame_files.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -63,6 +64,16 @@ TEST(ReadIntrinsics, RefusesOtherTextsAndOtherImages) {
   EXPECT_THAT(error(four + R"("depth_scale": -1})"), HasSubstr("depth_scale is -1; give"));
   EXPECT_THAT(error(four + R"("depth_scale": 0})"), HasSubstr("depth_scale is 0; give"));
   EXPECT_THAT(error(four + R"("depth_scale": 0.  001})"), HasSubstr("depth_scale has 2 numbers"));
+  EXPECT_THAT(error(four + R"("dePth_scale": 0.5})"), HasSubstr("did you mean depth_scale?"));
+  EXPECT_THAT(error(four + R"("dgpth_scale": 0.5})"), HasSubstr("'dgpth_scale'; did you mean"));
+  EXPECT_EQ(error(four + R"("png_depth_scale": 0.5, "depth_sensor": 1})"), "no error");
+  const std::string matrix = "K:\n  rows: 3\n  cols: {}\n  data: [10, 0, 3, 0, 11, 4, 0, 0, 1]\n";
+  EXPECT_EQ(error(fmt::format(fmt::runtime(matrix), 3) + "model:"), "no error");
+  EXPECT_THAT(error(fmt::format(fmt::runtime(matrix), 3) + "distortio"),
+              HasSubstr("its last line 'distortio' has no value"));
+  EXPECT_THAT(error(fmt::format(fmt::runtime(matrix), 4)),
+              HasSubstr("the matrix has 9 numbers, not 3 rows and 4 columns"));
+  EXPECT_THAT(error(fmt::format(fmt::runtime(matrix), "1.5.2")), HasSubstr("is no number"));
   for (const char* width : {"1e300", "-6", "6.5"}) {
     EXPECT_THAT(error(four + "\"width\": " + width + "}"), HasSubstr("whole number of pixels"));
   }

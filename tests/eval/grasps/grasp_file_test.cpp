@@ -138,6 +138,10 @@ TEST(GraspFile, DamagedYamlIsNamed) {
               HasSubstr("approach_axis = 3: must be 0 (x), 1 (y) or 2 (z)"));
   EXPECT_THAT(error_of("panda_finger_joint1: 0.00943", "panda_finger_joint1: .inf"),
               HasSubstr("cspace_position.panda_finger_joint1"));
+  EXPECT_THAT(error_of("panda_finger_joint1: 0.04", "panda_finger_joint1: -"),
+              HasSubstr("pregrasp_cspace_position.panda_finger_joint1"));
+  EXPECT_THAT(error_of("    cspace_position:", "    cspace_posi4ion:"),
+              HasSubstr("has the unknown key 'cspace_posi4ion'; did you mean cspace_position?"));
   const std::string text = kPandaFile;
   EXPECT_THAT(ErrorOf([&] { ReadIsaacGrasps(text.substr(0, text.find("grasps:")), "mug.yaml"); }),
               HasSubstr("has no grasps"));
