@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 
 #include "eval/bop/json.h"
 #include "eval/bop/layout.h"
 #include "eval/bop/write_scene.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
 #include "sim/sensor/depth_noise.h"
 
 namespace pickbed::eval {
@@ -53,6 +56,18 @@ std::string CardText(const ParsedJson& card) {
       "scenes: {}\n\n```yaml\n{}```\n",
       kDepthScale_mm, card["hash"].get<std::string>(), card["settings"].get<std::string>());
   return text;
+}
+
+// Returns the hash of a text of 16 hexadecimal digits.
+uint64_t HashIn(const ParsedJson& text) {
+  constexpr size_t kDigits = 16;
+  const auto digits = text.get<std::string>();
+  const char* const end = digits.data() + digits.size();
+  uint64_t hash = 0;
+  const auto [after, error] = std::from_chars(digits.data(), end, hash, 16);
+  CheckInput(digits.size() == kDigits && error == std::errc() && after == end,
+             fmt::format("'{}' is no hash", OneLine(digits)));
+  return hash;
 }
 
 }  // namespace
@@ -119,10 +134,13 @@ std::map<int, CardObject> ObjectsOfCard(const fs::path& root) {
   const std::optional<ParsedJson> card = ReadJson(file, ThrowFault);
   try {
     if (card->at("models").get<std::string>() != HashOfFolder(root / "models")) return objects;
+    const std::string identity = ReadIdentity(root);
+    CheckInput(identity.empty() || card->at("settings").get<std::string>() == identity,
+               fmt::format("its settings differ from {}", kDatasetSettingsFile));
+    for (const ParsedJson& hash : card->at("scene_hashes")) HashIn(hash);
     for (const ParsedJson& object : card->at("objects")) {
-      objects[object.at("obj_id").get<int>()] = {
-          object.at("name").get<std::string>(),
-          std::stoull(object.at("mesh").get<std::string>(), nullptr, 16)};
+      objects[object.at("obj_id").get<int>()] = {object.at("name").get<std::string>(),
+                                                 HashIn(object.at("mesh"))};
     }
   } catch (const std::exception& error) {
     throw InputError(fmt::format(

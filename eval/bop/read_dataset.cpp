@@ -335,7 +335,10 @@ std::optional<DatasetCamera> ReadDatasetCamera(const fs::path& file, const OnFau
   const auto depth_scale_mm = JsonReal(*json, "depth_scale", place);
   if (depth_scale_mm) CheckDepthScale(*depth_scale_mm, place);
   if (!width || !height || !fx || !fy || !cx || !cy || !depth_scale_mm) return std::nullopt;
-  const std::string faults = CameraIntrinsics::FaultsOf(*width, *height, *fx, *fy, *cx, *cy);
+  std::string faults = CameraIntrinsics::FaultsOf(*width, *height, *fx, *fy, *cx, *cy);
+  if (faults.empty() && !(*cx > -0.5 && *cy > -0.5 && *cx < *width && *cy < *height)) {
+    faults = fmt::format("the principal point ({}, {}) is outside of the image", *cx, *cy);
+  }
   if (!faults.empty()) {
     place.Fault(faults);
     return std::nullopt;

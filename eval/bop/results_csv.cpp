@@ -95,6 +95,9 @@ DatasetEstimate ParseLine(const std::string& text, const Line& line) {
   if (estimate.time_s > kLongest_s) {
     line.Refuse(fmt::format("time has {} s, over {:g} s", estimate.time_s, kLongest_s));
   }
+  if (estimate.time_s < 0 && estimate.time_s != -1) {
+    line.Refuse(fmt::format("time has {} s; give -1 if it is unknown", estimate.time_s));
+  }
   Eigen::Matrix3d R_CO;
   for (int i = 0; i < 9; ++i) R_CO(i / 3, i % 3) = R[i];
   if (const std::string wrong = RotationFault(R_CO); !wrong.empty()) line.Refuse("R " + wrong);

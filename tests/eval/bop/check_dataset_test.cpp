@@ -154,6 +154,8 @@ TEST_F(BopCheck, WrongJsonValuesAreReported) {
       {"test/000001/scene_gt_info.json",
        [](ParsedJson& j) { j["0"][0]["px_count_valid"] = 1000000; },
        "more than the image has pixels"},
+      {"camera.json", [](ParsedJson& j) { j["cx"] = 4725; },
+       "camera.json: the principal point (4725, 35.5) is outside of the image"},
       {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"].erase("cam_K"); },
        "scene_camera.json: image 0: has no 'cam_K'"},
       {"test/000001/scene_camera.json", [](ParsedJson& j) { j["0"]["cam_K"][0] = 0; },

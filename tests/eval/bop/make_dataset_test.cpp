@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "eval/bop/dataset_card.h"
 #include "eval/bop/dataset_scores.h"
 #include "eval/bop/layout.h"
 #include "eval/bop/write_scene.h"
@@ -14,6 +15,7 @@
 #include "scenes/base/files.h"
 #include "scenes/image/image_io.h"
 #include "tests/eval/bop_small_dataset.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace pickbed::tests {
@@ -276,6 +278,24 @@ TEST_F(BopTruth, PickChanceFollowsFromThePoseErrors) {
   const TolerancesById other_mesh{
       {1, {"model.yaml", EmptyToleranceModel(other, "jaw", {Pose::Identity()})}}};
   EXPECT_THROW(EvaluateDataset(set_->path(), "test", estimates, {}, other_mesh), InputError);
+}
+
+TEST(DatasetCard, DamagedHashesAndSettingsAreNamed) {
+  const TemporaryFolder folder;
+  MakeSmall(folder.path(), 1, 1);
+  const std::string card = ReadFileBytes(folder.path() / kCardFile);
+  EXPECT_EQ(ObjectsOfCard(folder.path()).at(1).mesh_hash, EasyCube()[0]->mesh_hash);
+  const auto error = [&](const std::string& before, const std::string& damaged) {
+    const size_t at = card.find(before);
+    EXPECT_NE(at, std::string::npos) << before;
+    std::string text = card;
+    folder.Write(kCardFile, text.replace(at + before.size(), damaged.size(), damaged));
+    return ErrorOf([&] { ObjectsOfCard(folder.path()); });
+  };
+  EXPECT_THAT(error("\"mesh\": \"0000", "+"), HasSubstr("is no hash"));
+  EXPECT_THAT(error("\"000001\": \"0", "="), HasSubstr("is no hash"));
+  EXPECT_THAT(error("trials: ", "7"), HasSubstr("its settings differ from dataset_settings.yaml"));
+  EXPECT_THAT(error("\"sett", "I"), HasSubstr("key 'settings' not found"));
 }
 
 TEST(ReadTolerances, MalformedArgumentsAreRefused) {

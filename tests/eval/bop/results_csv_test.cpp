@@ -71,6 +71,9 @@ TEST_F(BopResults, RoundTripKeepsAllValues) {
 }
 
 TEST_F(BopResults, BadFilesAreRefusedWithLineNumber) {
+  EXPECT_EQ(Read(kHeader + "1,2,3,0.5,1 0 0 0 1 0 0 0 1,10 -20 900,-1.0\n")[0].time_s, -1);
+  ExpectRefused(kHeader + "1,2,3,0.5,1 0 0 0 1 0 0 0 1,10 -20 900,-2147483648\n", ":2",
+                "time has -2147483648 s; give -1 if it is unknown");
   ExpectRefused("", "", "empty");
   ExpectRefused("scene,image,object\n", ":1", "scene_id,im_id,obj_id,score,R,t,time");
   ExpectRefused(kHeader + kGood + "1,2,3,0.5,1 0 0 0 1 0 0 0 1,10 -20 900\n", ":3", "6 columns");
