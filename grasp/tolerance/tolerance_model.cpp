@@ -10,6 +10,7 @@
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/base/math.h"
+#include "scenes/base/settings_tree.h"
 #include "scenes/geometry/decompositions.h"
 
 namespace pickbed::grasp {
@@ -317,6 +318,23 @@ void ToleranceModel::Visit(SettingsVisitor& v) {
       "grasps over which the probability of a hypothesis is averaged");
 }
 
+namespace {
+
+// Files of an earlier version have no names of the terms. But all weights have one, or none has.
+void RequireAllTerms(const std::filesystem::path& file) {
+  const SettingsTree tree = ReadSettingsTree(file);
+  const SettingsTree* const weights = tree.Find("weights");
+  if (weights == nullptr) return;
+  const auto terms = std::ranges::count_if(
+      weights->items, [](const SettingsTree& weight) { return weight.Find("term") != nullptr; });
+  CheckInput(terms == 0 || terms == std::ssize(weights->items),
+             fmt::format("{}: only {} of {} weights have a term; make the file again with `pickbed "
+                         "tolerance OBJECT GRIPPER`",
+                         weights->place, terms, weights->items.size()));
+}
+
+}  // namespace
+
 void WriteToleranceModel(const std::filesystem::path& file, const ToleranceModel& model) {
   ToleranceModel copy = model;
   WriteFileAtomically(file, WriteSettings([&](SettingsVisitor& v) { copy.Visit(v); }));
@@ -325,6 +343,7 @@ void WriteToleranceModel(const std::filesystem::path& file, const ToleranceModel
 ToleranceModel ReadToleranceModel(const std::filesystem::path& file) {
   ToleranceModel model;
   ReadSettingsFile(file, [&](SettingsVisitor& v) { model.Visit(v); });
+  RequireAllTerms(file);
   CheckInput(model.weights.size() == kTerms && !model.X_OG.empty(),
              fmt::format("{}: is not a tolerance model: it has {} weights of {} and {} grasps; "
                          "make one with `pickbed tolerance OBJECT GRIPPER`",

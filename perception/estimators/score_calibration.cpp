@@ -155,6 +155,11 @@ ScoreCalibration ReadCalibration(const std::filesystem::path& file) {
   ReadSettingsFile(file, [&](SettingsVisitor& v) { calibration.Visit(v); });
   CheckInput(!calibration.pose_right.empty(),
              fmt::format("{}: pose_right is empty; repeat pickbed calibrate", name));
+  CheckInput(calibration.right <= calibration.poses && calibration.picked <= calibration.picks,
+             fmt::format("{}: has {} right poses of {} and {} successful picks of {}; repeat "
+                         "pickbed calibrate",
+                         name, calibration.right, calibration.poses, calibration.picked,
+                         calibration.picks));
   RequireRising(name, "pose_right", calibration.pose_right);
   RequireRising(name, "pick_succeeds", calibration.pick_succeeds);
   return calibration;

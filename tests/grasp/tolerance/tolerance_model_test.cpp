@@ -224,6 +224,10 @@ TEST(Tolerance, ModelFileNamesTheTerms) {
   std::ofstream(file) << std::regex_replace(text, std::regex("term: [^,\n}]*(, |\n *)?"), "");
   EXPECT_THAT(ReadFileBytes(file), testing::Not(testing::HasSubstr("term")));
   EXPECT_EQ(ReadToleranceModel(file).weights, model.weights);
+  std::ofstream(file) << std::regex_replace(text, std::regex("term: [^,\n}]*(, |\n *)?"), "",
+                                            std::regex_constants::format_first_only);
+  EXPECT_THAT(ErrorOf([&] { ReadToleranceModel(file); }),
+              testing::HasSubstr("weights have a term; make the file again"));
   std::ofstream(file) << std::regex_replace(text, std::regex("x\\*\\*2"), "y**2");
   EXPECT_THAT(ErrorOf([&] { ReadToleranceModel(file); }),
               testing::HasSubstr("weights.2.term 'y**2'"));

@@ -87,6 +87,8 @@ TEST(ScoreCalibration, DamagedFilesAreNamed) {
   EXPECT_THAT(error_of(with("score: -3", "score: -120.5")), HasSubstr("scores must rise"));
   EXPECT_THAT(error_of(with("version: 1", "version: 9")), HasSubstr("has version 9"));
   EXPECT_THAT(error_of(with("0.98", "1.98")), HasSubstr("probability = 1.98"));
+  EXPECT_THAT(error_of(with("right: 0", "right: 3")), HasSubstr("has 3 right poses of 0"));
+  EXPECT_THAT(error_of(with("picked: 0", "picked: 1")), HasSubstr("1 successful picks of 0"));
   EXPECT_THAT(error_of("seed: 3\n"), HasSubstr("is no calibration file"));
   EXPECT_THAT(error_of(""), HasSubstr("damaged.yaml"));
   EXPECT_THAT(ErrorOf([&] { ReadCalibration(folder.path() / "none.yaml"); }),
