@@ -304,6 +304,36 @@ std::string FaultOfExr(std::string_view bytes) {
   return "";
 }
 
+// ---- TIFF ----
+
+bool IsTiff(std::string_view bytes) {
+  return bytes.starts_with(std::string_view("II*\0", 4)) ||
+         bytes.starts_with(std::string_view("MM\0*", 4));
+}
+
+// The directories of the images are a chain (TIFF 6.0, section 2). The library reads the first one
+// and ignores a broken rest, which a damaged or cut file has.
+std::string FaultOfTiff(std::string_view bytes) {
+  constexpr size_t kFirst = 4, kCount = 2, kEntry = 12, kOffset = 4;
+  const bool is_little_endian = bytes.front() == 'I';
+  const auto number_at = [&](size_t at, size_t size) {
+    size_t number = 0;
+    for (size_t i = 0; i < size; ++i) {
+      const size_t byte = is_little_endian ? size - 1 - i : i;
+      number = number << 8 | static_cast<unsigned char>(bytes[at + byte]);
+    }
+    return number;
+  };
+  std::set<size_t> seen;
+  for (size_t next = kFirst; next + kOffset <= bytes.size();) {
+    const size_t directory = number_at(next, kOffset);
+    if (directory == 0 && next != kFirst) return "";
+    if (directory + kCount > bytes.size() || !seen.insert(directory).second) break;
+    next = directory + kCount + kEntry * number_at(directory, kCount);
+  }
+  return "the TIFF has a directory that is not within the file";
+}
+
 }  // namespace
 
 uint32_t PngCheckSum(std::string_view bytes) {
@@ -320,6 +350,7 @@ std::string FaultOfImage(std::string_view bytes) {
   if (IsPng(bytes)) return FaultOfPng(bytes);
   if (IsJpeg(bytes)) return FaultOfJpeg(bytes);
   if (bytes.starts_with(kExrHead)) return FaultOfExr(bytes);
+  if (IsTiff(bytes)) return FaultOfTiff(bytes);
   return "";
 }
 

@@ -76,6 +76,25 @@ TEST(NumberImage, DamagedHeadersOfExrFilesAreRefused) {
   EXPECT_THAT(ErrorOf([&] { ReadNumberImage(file); }), HasSubstr("header"));
 }
 
+// The library reads the first directory only.
+TEST(NumberImage, BrokenDirectoriesOfATiffAreRefused) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "a.tiff";
+  WriteFloats(file, Ramp());
+  const std::string tiff = ReadFileBytes(file);
+  ASSERT_EQ(tiff.substr(tiff.size() - 4), std::string(4, '\0')) << "the end of the directories";
+  const auto error = [&](const std::string& bytes) {
+    folder.Write("a.tiff", bytes);
+    return ErrorOf([&] { ReadNumberImage(file); });
+  };
+  EXPECT_EQ(error(tiff), "no error");
+  const std::string first = tiff.substr(4, 4), rest = tiff.substr(0, tiff.size() - 4);
+  const std::string beyond("\0\0\0\2", 4);
+  for (const std::string& next : {first, beyond, std::string()}) {
+    EXPECT_THAT(error(rest + next), HasSubstr("a directory that is not within the file"));
+  }
+}
+
 std::string Numpy(const std::string& header, const std::string& data) {
   return std::string("\x93NUMPY\x01\x00", 8) + static_cast<char>(header.size()) + '\0' + header +
          data;
