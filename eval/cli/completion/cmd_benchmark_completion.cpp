@@ -154,7 +154,7 @@ int BenchmarkCompletionCommand(int argc, char** argv) {
       "Completes views of test shapes with all methods: IoU, surface distances, calibration and "
       "time, for seen and unseen shapes, clean and occluded. Measures what completion is worth "
       "for grasps of unknown objects and for the recognition of known ones. All tables are on one "
-      "page. With the defaults, one core takes about half an hour. Each table is written when it "
+      "page. With the defaults, one core takes about 20 minutes. Each table is written when it "
       "is made, and Ctrl-C keeps what is done.",
       "pickbed benchmark completion");
   BenchmarkRequest request;
