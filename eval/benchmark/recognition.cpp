@@ -174,7 +174,7 @@ std::string PicturesFolder(const Round& round) {
 
 // Removes the pictures of an earlier benchmark in the same results folder.
 void RemovePictures(const std::filesystem::path& pictures) {
-  static const std::regex written(".+_[0-9]+_[0-9]{3,}");
+  static const std::regex written(".+_[0-9]{3,}");
   std::vector<std::filesystem::path> folders;
   std::error_code none;
   for (const auto& entry : std::filesystem::directory_iterator(pictures, none)) {

@@ -70,6 +70,26 @@ uint64_t HashIn(const ParsedJson& text) {
   return hash;
 }
 
+// Returns the last line of the settings of a dataset, which has the split and the views.
+std::string SplitLine(const std::string& settings) {
+  const size_t end = settings.find_last_not_of('\n') + 1;
+  const size_t before = settings.rfind('\n', end - 1);
+  const size_t begin = before == settings.npos ? 0 : before + 1;
+  return settings.substr(begin, end - begin);
+}
+
+// Throws InputError for a damaged value of the card. `identity`: ReadIdentity(), which may be of
+// another split whose card is not written yet.
+void CheckCard(const ParsedJson& card, const std::string& identity) {
+  const auto settings = card.at("settings").get<std::string>();
+  CheckInput(settings == identity || SplitLine(settings) != SplitLine(identity),
+             fmt::format("its settings differ from {}", kDatasetSettingsFile));
+  if (card.contains("hash")) HashIn(card.at("hash"));
+  // A dataset without a scene has no hashes.
+  if (!card.contains("scene_hashes")) return;
+  for (const ParsedJson& hash : card.at("scene_hashes")) HashIn(hash);
+}
+
 }  // namespace
 
 std::string IdentityOf(const ScenarioSpec& spec, const ObjectSet& objects,
@@ -134,17 +154,15 @@ std::map<int, CardObject> ObjectsOfCard(const fs::path& root) {
   const std::optional<ParsedJson> card = ReadJson(file, ThrowFault);
   try {
     if (card->at("models").get<std::string>() != HashOfFolder(root / "models")) return objects;
-    const std::string identity = ReadIdentity(root);
-    CheckInput(identity.empty() || card->at("settings").get<std::string>() == identity,
-               fmt::format("its settings differ from {}", kDatasetSettingsFile));
-    for (const ParsedJson& hash : card->at("scene_hashes")) HashIn(hash);
+    CheckCard(*card, ReadIdentity(root));
     for (const ParsedJson& object : card->at("objects")) {
       objects[object.at("obj_id").get<int>()] = {object.at("name").get<std::string>(),
                                                  HashIn(object.at("mesh"))};
     }
   } catch (const std::exception& error) {
     throw InputError(fmt::format(
-        "{}: was not written by pickbed ({}); resume `pickbed dataset make` to write it again",
+        "{}: is damaged or not written by pickbed ({}); resume `pickbed dataset make` to write it "
+        "again",
         file.string(), error.what()));
   }
   return objects;

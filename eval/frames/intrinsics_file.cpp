@@ -11,7 +11,6 @@
 #include <string_view>
 #include <vector>
 
-#include "eval/frames/damaged_key.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/base/message_text.h"
@@ -63,7 +62,7 @@ void AddNumbers(const SettingsTree& node, std::vector<double>& numbers) {
 // Checks the size of a matrix with its data, as ROS and OpenCV write it.
 void RequireSize(const SettingsTree& matrix, size_t numbers) {
   const SettingsTree *rows = matrix.Find("rows"), *columns = matrix.Find("cols");
-  if (rows == nullptr || columns == nullptr) return;
+  if (rows == nullptr || columns == nullptr || numbers == 0) return;
   std::vector<double> size;
   AddNumbers(*rows, size);
   AddNumbers(*columns, size);
@@ -82,6 +81,9 @@ std::vector<double> NumbersOf(const SettingsTree& map, const std::vector<const c
     if (node == nullptr) continue;
     const SettingsTree* const matrix = node->kind == SettingsTree::Kind::kMap ? node : nullptr;
     if (matrix != nullptr) node = matrix->Find("data");
+    if (node == nullptr && matrix->Find("rows") != nullptr) {
+      throw InputError(fmt::format("{}: {} has no data; get the file again", matrix->place, key));
+    }
     if (node == nullptr) continue;
     if (IsNothing(*node)) return numbers;
     AddNumbers(*node, numbers);

@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 
-#include "eval/frames/damaged_key.h"
 #include "scenes/base/error.h"
 #include "scenes/base/message_text.h"
 #include "scenes/base/settings_tree.h"

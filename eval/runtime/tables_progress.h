@@ -4,6 +4,7 @@
 // tables that have not begun.
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "eval/runtime/progress.h"

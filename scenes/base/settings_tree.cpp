@@ -99,4 +99,11 @@ void ReadSettingsBlock(const SettingsTree& map, const VisitFunction& visit) {
   }
 }
 
+bool IsDamagedKey(std::string_view key, std::string_view known) {
+  if (key.size() != known.size()) return false;
+  int others = 0;
+  for (size_t i = 0; i < key.size(); ++i) others += key[i] != known[i];
+  return others == 1;
+}
+
 }  // namespace pickbed::scenes

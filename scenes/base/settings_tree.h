@@ -6,6 +6,7 @@
 #include <exception>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "scenes/base/settings.h"
@@ -58,5 +59,9 @@ auto ApplyPlaced(const std::vector<PlacedSetting>& settings, const Apply& apply)
 // Applies the entries of a map to the fields that `visit` names. Throws the same as
 // ReadSettingsFile().
 void ReadSettingsBlock(const SettingsTree& map, const VisitFunction& visit);
+
+// Returns whether a key is a damaged or misspelled form of a known one: they have the same length
+// and differ in one letter. For files of other programs, which may have any other keys.
+bool IsDamagedKey(std::string_view key, std::string_view known);
 
 }  // namespace pickbed::scenes

@@ -241,7 +241,8 @@ std::string FaultOfJpeg(std::string_view bytes) {
   errors.manager.error_exit = LeaveOnError;
   errors.manager.emit_message = KeepWarning;
   DecodeSmall(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), codec, errors);
-  const std::string table = FaultOfTables(codec);
+  // The library refuses images of more than 8 bits, whose tables have other symbols.
+  const std::string table = codec.data_precision == 8 ? FaultOfTables(codec) : "";
   jpeg_destroy_decompress(&codec);
   if (!table.empty()) return "the JPEG is damaged: a table of codes " + table;
   if (errors.text[0] == 0) return "";
@@ -270,11 +271,11 @@ const std::map<std::string_view, ExrType>& ExrAttributes() {
 }
 
 std::string FaultOfExr(std::string_view bytes) {
-  constexpr size_t kVersion = 8;  // bytes up to the first attribute
-  constexpr int kSeveralHeaders = 0x18;
+  constexpr size_t kVersion = 8;      // bytes up to the first attribute
+  constexpr int kOtherHeader = 0x18;  // several images or deep pixels
   const std::string no_end = "the EXR has a header without end";
   if (bytes.size() < kVersion) return no_end;
-  if ((bytes[5] & kSeveralHeaders) != 0) return "";
+  if ((bytes[5] & kOtherHeader) != 0) return "";
   std::set<std::string_view> found;
   for (std::string_view rest = bytes.substr(kVersion);;) {
     const size_t name_end = rest.find('\0');
@@ -299,6 +300,8 @@ std::string FaultOfExr(std::string_view bytes) {
     rest.remove_prefix(size);
   }
   for (const auto& [name, type] : ExrAttributes()) {
+    // Some programs leave it out if it is 1.
+    if (name == "pixelAspectRatio") continue;
     if (!found.contains(name)) return fmt::format("the EXR has no attribute '{}'", name);
   }
   return "";

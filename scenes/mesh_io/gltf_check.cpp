@@ -9,6 +9,7 @@
 #include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -17,6 +18,7 @@
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
 #include "scenes/base/message_text.h"
+#include "scenes/base/settings_tree.h"
 #include "scenes/mesh_io/mesh_file_check.h"
 #include "scenes/mesh_io/text_words.h"
 
@@ -26,7 +28,7 @@ namespace {
 using Json = nlohmann::json;
 
 // All keys of glTF 2.0 (Khronos, glTF 2.0 specification, section 5).
-const std::vector<std::string>& GltfKeys() {
+const std::vector<std::string_view>& GltfKeys() {
   constexpr std::string_view kNames =
       "accessors alphaCutoff alphaMode animations aspectRatio asset attributes "
       "baseColorFactor baseColorTexture buffer buffers bufferView bufferViews byteLength "
@@ -40,27 +42,30 @@ const std::vector<std::string>& GltfKeys() {
       "samplers scale scene scenes skeleton skin skins source sparse strength target "
       "targets texCoord textures translation type uri values version weights wrapS wrapT "
       "xmag ymag yfov zfar znear";
-  static const std::vector<std::string> kKeys = [&] {
-    const std::vector<std::string_view> words = WordsIn(kNames);
-    return std::vector<std::string>(words.begin(), words.end());
-  }();
+  static const std::vector<std::string_view> kKeys = WordsIn(kNames);
   return kKeys;
 }
 
 // Keys whose values are whole numbers.
 const std::set<std::string_view>& KeysOfWholeNumbers() {
   static const std::set<std::string_view> kKeys = {
-      "buffer",        "bufferView", "byteLength", "byteOffset", "byteStride", "camera",
-      "componentType", "count",      "index",      "indices",    "magFilter",  "material",
-      "mesh",          "minFilter",  "mode",       "node",       "sampler",    "scene",
-      "skin",          "source",     "texCoord",   "wrapS",      "wrapT"};
+      "buffer",        "bufferView", "byteLength",
+      "byteOffset",    "byteStride", "camera",
+      "componentType", "count",      "index",
+      "indices",       "magFilter",  "material",
+      "mesh",          "minFilter",  "mode",
+      "node",          "sampler",    "scene",
+      "skin",          "source",     "texCoord",
+      "wrapS",         "wrapT",      "skeleton",
+      "input",         "output",     "inverseBindMatrices"};
   return kKeys;
 }
 
 // Keys whose values are lists of numbers, and how many these are.
 const std::map<std::string_view, size_t>& KeysOfNumberLists() {
   static const std::map<std::string_view, size_t> kKeys = {
-      {"matrix", 16}, {"translation", 3}, {"scale", 3}, {"rotation", 4}, {"baseColorFactor", 4}};
+      {"matrix", 16},  {"translation", 3},     {"scale", 3},
+      {"rotation", 4}, {"baseColorFactor", 4}, {"emissiveFactor", 3}};
   return kKeys;
 }
 
@@ -102,8 +107,8 @@ class GltfChecker {
     const Json version =
         asset == file.end() || !asset->is_object() ? Json() : asset->value("version", Json());
     const auto number = version.is_string() ? version.get<std::string>() : version.dump();
-    if (number.starts_with("1")) return;
-    if (!number.starts_with("2")) {
+    if (number == "1" || number.starts_with("1.")) return;
+    if (number != "2" && !number.starts_with("2.")) {
       Refuse("asset", fmt::format("has '{}' for version, which is none", OneLine(number)));
     }
     CheckObject(file, "");
@@ -122,7 +127,7 @@ class GltfChecker {
       // Extensions and extras have keys of their own.
       if (key == "extensions" || key == "extras") continue;
       const std::string here = place.empty() ? key : place + "/" + key;
-      CheckKey(key, here);
+      if (!IsKnown(key, here)) continue;
       CheckValue(key, value, here);
       if (key != "attributes") CheckChildren(value, here);
     }
@@ -136,12 +141,16 @@ class GltfChecker {
     }
   }
 
-  void CheckKey(const std::string& key, const std::string& place) const {
-    const std::vector<std::string>& keys = GltfKeys();
-    if (std::find(keys.begin(), keys.end(), key) != keys.end()) return;
-    const std::string near = NearestName(key, keys);
-    if (near.empty()) return;
-    Refuse("'" + OneLine(place) + "'", fmt::format("is an unknown key; did you mean {}?", near));
+  // Returns whether glTF has this key. Programs may add others, but not one with a wrong letter.
+  bool IsKnown(const std::string& key, const std::string& place) const {
+    const std::vector<std::string_view>& keys = GltfKeys();
+    if (std::find(keys.begin(), keys.end(), key) != keys.end()) return true;
+    constexpr size_t kShort = 5;  // a shorter key is too near to other words
+    const auto near = std::find_if(keys.begin(), keys.end(), [&](std::string_view known) {
+      return key.size() >= kShort && IsDamagedKey(key, known);
+    });
+    if (near == keys.end()) return false;
+    Refuse("'" + OneLine(place) + "'", fmt::format("is an unknown key; did you mean {}?", *near));
   }
 
   void CheckValue(const std::string& key, const Json& value, const std::string& place) const {
@@ -202,7 +211,7 @@ class GltfChecker {
     Refuse(place, "is " + ShownJson(quaternion) + ", whose length is not 1");
   }
 
-  // Attributes of programs begin with _.
+  // Programs and extensions may add other names, but not one with a wrong letter.
   void CheckAttributes(const Json& attributes, const std::string& place) const {
     constexpr auto kNames = std::to_array<std::string_view>(
         {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"});
@@ -213,7 +222,11 @@ class GltfChecker {
         return key.starts_with(name) && key.size() > name.size() &&
                key.find_first_not_of("0123456789", name.size()) == std::string::npos;
       };
-      if (key.starts_with('_') || std::any_of(kNames.begin(), kNames.end(), is_begin)) continue;
+      const auto is_damaged = [&key](std::string_view name) {
+        return IsDamagedKey(key, std::string(name) + (name.ends_with('_') ? "0" : ""));
+      };
+      if (std::any_of(kNames.begin(), kNames.end(), is_begin)) continue;
+      if (std::none_of(kNames.begin(), kNames.end(), is_damaged)) continue;
       Refuse(place, fmt::format("has the unknown name '{}'", OneLine(key)));
     }
   }
@@ -221,14 +234,14 @@ class GltfChecker {
   const std::filesystem::path& path_;
 };
 
-// Returns the text of a glTF file, or the first chunk of a GLB file; empty for version 1 of GLB.
-std::string TextOfGltf(const std::filesystem::path& path) {
+// Returns the text of a glTF file, or the first chunk of a GLB file; nullopt for version 1 of GLB.
+std::optional<std::string> TextOfGltf(const std::filesystem::path& path) {
   const std::string bytes = ReadFileBytes(path);
   if (LowerExtension(path) != ".glb") return bytes;
   std::array<uint32_t, 5> head{};  // magic, version, length, length and type of the first chunk
   if (bytes.size() < sizeof head) RefuseUnreadable(path, "its header is cut short");
   std::memcpy(head.data(), bytes.data(), sizeof head);
-  if (head[1] == 1) return "";
+  if (head[1] == 1) return std::nullopt;
   if (head[2] != bytes.size()) {
     RefuseUnreadable(
         path, fmt::format("its header names {} bytes, but it has {}", head[2], bytes.size()));
@@ -244,10 +257,10 @@ std::string TextOfGltf(const std::filesystem::path& path) {
 }  // namespace
 
 void CheckGltf(const std::filesystem::path& path) {
-  const std::string text = TextOfGltf(path);
-  if (text.empty()) return;
+  const std::optional<std::string> text = TextOfGltf(path);
+  if (!text) return;
   const GltfChecker checker(path);
-  checker.Check(checker.Parsed(text));
+  checker.Check(checker.Parsed(*text));
 }
 
 }  // namespace pickbed::scenes

@@ -82,6 +82,8 @@ void CheckObj(const fs::path& path) {
   std::istringstream line(before == std::string::npos ? end : end.substr(before + 1));
   std::string kind, word;
   line >> kind;
+  if (kind != "v" && kind != "vn" && kind != "vt" && kind != "f" && kind != "l" && kind != "p")
+    return;
   size_t words = 0;
   while (line >> word) ++words;
   const bool is_short =

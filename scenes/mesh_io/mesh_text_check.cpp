@@ -217,11 +217,14 @@ std::string FaultOfObjLine(std::span<const std::string_view> words) {
     return fmt::format("begins with the unknown word {}; did you mean {}?", shown(kind), near);
   }
   for (size_t i = 1; i < words.size(); ++i) {
-    if (has_numbers && !NumberIn(words[i])) return shown(words[i]) + " is no number";
-    if (kind == "vt" && std::abs(*NumberIn(words[i])) > kMaxTextureCoordinate) {
-      return "has the texture coordinate " + shown(words[i]);
+    if (has_numbers) {
+      const auto number = NumberIn(words[i]);
+      if (!number) return shown(words[i]) + " is no number";
+      if (kind == "vt" && std::abs(*number) > kMaxTextureCoordinate) {
+        return "has the texture coordinate " + shown(words[i]);
+      }
+      continue;
     }
-    if (has_numbers) continue;
     if (!IsCorner(words[i])) {
       return shown(words[i]) + (kind == "f" ? " is no corner of a face" : " is no corner");
     }

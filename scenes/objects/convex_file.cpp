@@ -88,9 +88,15 @@ std::vector<ConvexPiece> LoadConvexPieces(const std::filesystem::path& path,
           "the vertices of a convex piece are in one plane");
   };
   FaceCorners corners;
+  bool continues = false;
   int64_t vertices = 0;
   for (std::string line; std::getline(lines, line);) {
     ++number;
+    // A backslash at the end continues a long line, as faces have. They are not used.
+    const bool is_continued = continues;
+    continues =
+        line.find_last_not_of(" \t\r") != line.npos && line[line.find_last_not_of(" \t\r")] == '\\';
+    const bool is_long = is_continued || continues;
     std::istringstream words(line);
     words.imbue(std::locale::classic());  // a decimal point for every locale of the user
     std::string keyword;
@@ -110,7 +116,7 @@ std::vector<ConvexPiece> LoadConvexPieces(const std::filesystem::path& path,
       check(!pieces.empty(), "a vertex precedes the first 'o' line");
       pieces.back().vertices_O.push_back(scale * v);
       ++vertices;
-    } else {
+    } else if (!is_long) {
       const std::vector<std::string_view> statement = WordsOf(std::string_view(line));
       const std::string fault = FaultOfObjLine(statement);
       check(fault.empty(), fmt::format("this line {}; export the pieces again", fault));

@@ -296,6 +296,15 @@ TEST(DatasetCard, DamagedHashesAndSettingsAreNamed) {
   EXPECT_THAT(error("\"000001\": \"", "="), HasSubstr("is no hash"));
   EXPECT_THAT(error("trials: ", "7"), HasSubstr("its settings differ from dataset_settings.yaml"));
   EXPECT_THAT(error("\"sett", "I"), HasSubstr("key 'settings' not found"));
+  EXPECT_THAT(error("\"hash\": \"", "="), HasSubstr("is no hash"));
+  // The settings are of another split, whose card is written after its last scene.
+  folder.Write(kCardFile, card);
+  std::string settings = ReadFileBytes(folder.path() / kDatasetSettingsFile);
+  folder.Write(kDatasetSettingsFile, settings.replace(settings.find("seed:"), 6, "seed: 1"));
+  EXPECT_THAT(ErrorOf([&] { ObjectsOfCard(folder.path()); }), HasSubstr("its settings differ"));
+  settings.insert(settings.size() - 1, "_2");
+  folder.Write(kDatasetSettingsFile, settings);
+  EXPECT_EQ(ObjectsOfCard(folder.path()).size(), 1u);
 }
 
 TEST(ReadTolerances, MalformedArgumentsAreRefused) {

@@ -74,6 +74,9 @@ TEST(ReadIntrinsics, RefusesOtherTextsAndOtherImages) {
   EXPECT_THAT(error(fmt::format(fmt::runtime(matrix), 4)),
               HasSubstr("the matrix has 9 numbers, not 3 rows and 4 columns"));
   EXPECT_THAT(error(fmt::format(fmt::runtime(matrix), "1.5.2")), HasSubstr("is no number"));
+  const std::string lens = fmt::format(fmt::runtime(matrix), 3) + "D:\n  rows: 1\n  cols: 5\n";
+  EXPECT_EQ(error(lens + "  data: []\n"), "no error") << "not calibrated";
+  EXPECT_THAT(error(lens + "  dat: [0, 0, 0, 0, 0]\n"), HasSubstr("D has no data"));
   for (const char* width : {"1e300", "-6", "6.5"}) {
     EXPECT_THAT(error(four + "\"width\": " + width + "}"), HasSubstr("whole number of pixels"));
   }

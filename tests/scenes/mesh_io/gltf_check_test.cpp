@@ -39,6 +39,16 @@ TEST(CheckGltf, AcceptsAllPartsOfTheFormat) {
   const TemporaryFolder folder;
   EXPECT_NO_THROW(CheckGltf(folder.Write("a.gltf", kGltf)));
   EXPECT_NO_THROW(CheckGltf(folder.Write("a.gltf", "\xef\xbb\xbf" + std::string(kGltf))));
+  // Keys of programs, names of extensions and what is below them are not checked.
+  for (const char* more : {"\"userData\":{\"index\":-1,\"mode\":\"edit\"}", "\"url\":\"x\"",
+                           "\"lights\":[]", "\"height\":2"}) {
+    EXPECT_NO_THROW(CheckGltf(
+        folder.Write("a.gltf", GltfWith("\"scene\":0", std::string("\"scene\":0,") + more))))
+        << more;
+  }
+  for (const char* name : {"BINORMAL", "TEXCOORD", "KHR_gaussian_splatting:SCALE"}) {
+    EXPECT_NO_THROW(CheckGltf(folder.Write("a.gltf", GltfWith("TEXCOORD_0", name)))) << name;
+  }
   // Keys of extensions are their own, and version 1 has other keys.
   EXPECT_NO_THROW(CheckGltf(folder.Write(
       "a.gltf", GltfWith("\"scene\":0", "\"scene\":0,\"extensions\":{\"X\":{\"meshs\":-1}}"))));
@@ -55,6 +65,8 @@ TEST(CheckGltf, DamagedTextsAreRefusedWithTheirPlace) {
       {"\"byteLength\":72", "\"byteLength\":1e999", "has a number that is too large"},
       {"\"mesh\":0", "\"mesh\":0,\"mesh\":1", "an object has the key 'mesh' twice"},
       {"{\"version\":\"2.0\"", "{\"version\":\"7\"", "asset has '7' for version"},
+      {"{\"version\":\"2.0\"", "{\"version\":\"1xy\"", "asset has '1xy' for version"},
+      {"\"normalTexture\"", "\"emissiveFactor\":[1,1],\"normalTexture\"", "not 3 numbers"},
       {"\"asset\"", "\"assets\"", "asset has 'null' for version"},
       {"\"matrix\"", "\"matriy\"", "'nodes/0/matriy' is an unknown key; did you mean matrix?"},
       {"\"doubleSided\"", "\"doubleSmded\"", "did you mean doubleSided?"},

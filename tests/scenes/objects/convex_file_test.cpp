@@ -41,7 +41,8 @@ TEST(LoadConvexPieces, FacesOfOtherProgramsAreAccepted) {
       folder.Write("convex.obj",
                    "mtllib a.mtl\no a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvn 0 0 "
                    "1\nusemtl None\ns off\n"
-                   "f 1/1/1 2/1/1 3/1/1\nf 1//1 2//1 4//1\nf -4 -3 -2 -1 # four corners\n");
+                   "f 1/1/1 2/1/1 3/1/1\nf 1//1 2//1 4//1\nf -4 -3 -2 -1 # four corners\n"
+                   "f 1 2 \\\n3 4\ng None");
   EXPECT_EQ(LoadConvexPieces(path).size(), 1u);
 }
 
