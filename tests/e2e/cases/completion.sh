@@ -48,7 +48,7 @@ completion_benchmark_has_all_tables_on_one_page() {
   local picture
   for picture in all/gallery_catalog.png all/gallery_grasps_single_completed.png \
     all/gallery_grasps_bins_completed.png \
-    all/recognition/deep_rod_000/pictures/trial_0000/{none,skirt}/attempt_00_overlay.png; do
+    all/recognition/deep_rod_0_000/pictures/trial_0000/{none,skirt}/attempt_00_overlay.png; do
     [ -s "$picture" ] || fail "no $picture"
     has_template || continue
     grep -qF "src=\"${picture#all/}\"" all/index.html || fail "$picture is not on the page"
