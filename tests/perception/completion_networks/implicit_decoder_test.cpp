@@ -13,7 +13,7 @@
 namespace pickbed::perception {
 namespace {
 
-constexpr int64_t kCells = 4, kPixels = 6, kVolumeFeatures = 5, kImageFeatures = 3, kHidden = 7;
+constexpr int64_t kCells = 4, kPixels = 6, kVolumeFeatures = 11, kImageFeatures = 3, kHidden = 7;
 
 struct RandomDecoder {
   RandomDecoder() {
