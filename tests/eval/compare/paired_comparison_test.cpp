@@ -60,7 +60,7 @@ std::vector<TrialResult> OnePickRun(const std::vector<int>& successes, int first
   return trials;
 }
 
-const PairedStatistic& StatisticOf(const PairedComparison& comparison, const std::string& key) {
+PairedStatistic StatisticOf(const PairedComparison& comparison, const std::string& key) {
   for (const PairedStatistic& statistic : comparison.statistics) {
     if (statistic.key == key) return statistic;
   }
@@ -120,7 +120,7 @@ TEST(ComparePaired, OneOutcomePerBinUsesMcNemarsTest) {
   const auto after = OnePickRun({2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14}, 100);
   const PairedComparison comparison = ComparePaired(before, after);
   EXPECT_EQ(comparison.scenes, 20);
-  const PairedStatistic& success = StatisticOf(comparison, "pick_success");
+  const PairedStatistic success = StatisticOf(comparison, "pick_success");
   EXPECT_EQ(success.test, "mcnemar");
   EXPECT_DOUBLE_EQ(success.before, 0.3);
   EXPECT_DOUBLE_EQ(success.after, 0.65);
@@ -155,7 +155,7 @@ TEST(ComparePaired, BinsArePairedByIndexAndOnlySharedOnesCount) {
   EXPECT_EQ(comparison.scenes, 18);
   EXPECT_EQ(comparison.before_only, 1);
   EXPECT_EQ(comparison.after_only, 1);
-  const PairedStatistic& success = StatisticOf(comparison, "pick_success");
+  const PairedStatistic success = StatisticOf(comparison, "pick_success");
   EXPECT_DOUBLE_EQ(success.before, 2 / 18.0);
   EXPECT_DOUBLE_EQ(success.after, 4 / 18.0);
   EXPECT_EQ(success.discordant_scenes, 2);
@@ -168,8 +168,7 @@ TEST(ComparePaired, ErrorsAreComparedByTheirMedian) {
     after[i].attempts[0].hypotheses[0].metrics.Set(kMssdDiameters, 0.01 + 0.001 * i);
   }
   before[3].attempts[0].hypotheses[0].metrics.Set(kMssdDiameters, 2);  // on no instance
-  const PairedStatistic& median =
-      StatisticOf(ComparePaired(before, after), "median_mssd_diameters");
+  const PairedStatistic median = StatisticOf(ComparePaired(before, after), "median_mssd_diameters");
   EXPECT_FALSE(median.is_rate);
   EXPECT_NEAR(median.difference(), -0.01, 1.1e-3);
   EXPECT_LE(median.difference_ci95.high, -0.007);
@@ -233,8 +232,7 @@ TEST(ComparePaired, ErrorsUseOnlyInstancesThatBothRunsFound) {
     b.back().instance = InstanceId{2};
     b.back().score = 0.8;
   }
-  const PairedStatistic& median =
-      StatisticOf(ComparePaired(before, after), "median_mssd_diameters");
+  const PairedStatistic median = StatisticOf(ComparePaired(before, after), "median_mssd_diameters");
   EXPECT_DOUBLE_EQ(median.before, 0.02);
   EXPECT_DOUBLE_EQ(median.after, 0.02);
   EXPECT_EQ(median.discordant_scenes, 0);
