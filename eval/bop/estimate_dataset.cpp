@@ -342,10 +342,18 @@ void EstimateDataset(const fs::path& root, const std::string& split,
           RgbdFrame& frame) {
         doubts.RegisterColorOf(place, frame);
         const bool sees = HasReadings(frame.depth_m);
+        // The first image sets up the estimator, also if it is finished, so that the estimates of
+        // the others do not depend on the place of an interrupt.
         if (!runner && sees) runner.emplace(std::move(objects), options, frame, on_progress);
+        if (options.finished.contains({place.scene_id, place.image_id})) {
+          ++result.done;
+          return goes_on();
+        }
         Rng rng = RngOf(options, place);
         DatasetImageNote note{place.scene_id, place.image_id, 0, false, doubts.TextsOf(place)};
+        const size_t before = result.estimates.size();
         if (sees) runner->Run(frame, image, image_targets, place, rng, result, note);
+        if (options.on_image) options.on_image(note, std::span(result.estimates).subspan(before));
         result.notes.push_back(std::move(note));
         ++result.done;
         if (on_progress) {

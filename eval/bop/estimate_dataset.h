@@ -5,10 +5,13 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <set>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "eval/bop/results_csv.h"
+#include "eval/bop/targets.h"
 #include "eval/explain/explain.h"
 #include "eval/frames/image_notes.h"
 #include "scenes/bin/bin.h"
@@ -34,6 +37,11 @@ struct EstimateDatasetOptions {
   std::optional<Bin> bin = {};
   // Region of interest in each image. A box in the world frame needs images with a camera pose.
   RegionSpec region = {};
+  // Images that are not processed, because an earlier run has their estimates.
+  std::set<ListedImage> finished = {};
+  // Called with each processed image and its estimates. May be empty.
+  std::function<void(const DatasetImageNote& note, std::span<const DatasetEstimate> estimates)>
+      on_image = {};
   // Called after each image; true ends the work. May be empty.
   std::function<bool()> stop = {};
   // Called with one line for each kind of doubtful images (CheckFrame), when such an estimator
@@ -51,7 +59,7 @@ struct DatasetEstimates {
   std::vector<DatasetEstimate> estimates;
   std::vector<DatasetImageNote> notes;  // one per processed image
   size_t images = 0;                    // target images
-  size_t done = 0;                      // processed images
+  size_t done = 0;                      // processed images, and those finished before
 };
 
 // Estimates poses in every target image. In localisation on a BOP19 image, it returns poses of the

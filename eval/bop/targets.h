@@ -20,7 +20,7 @@ struct ImageTargets {
 // An image that the targets files list.
 struct ListedImage {
   int scene_id = 0, image_id = 0;
-  bool operator==(const ListedImage&) const = default;
+  auto operator<=>(const ListedImage&) const = default;
 };
 
 struct SplitTargets {

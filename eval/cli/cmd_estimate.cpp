@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <optional>
 
-#include "eval/bop/estimate_dataset.h"
-#include "eval/bop/layout.h"
 #include "eval/cli/arguments.h"
 #include "eval/cli/commands.h"
+#include "eval/cli/image/cmd_estimate_bop.h"
 #include "eval/cli/image/cmd_estimate_image.h"
+#include "eval/cli/image/estimate_arguments.h"
 #include "eval/estimate/image_poses.h"
 #include "eval/estimate/report.h"
 #include "eval/explain/explain.h"
@@ -28,8 +28,6 @@ namespace pickbed::eval {
 namespace {
 
 constexpr int kPicturedBins = 5;
-constexpr const char* kLocalisation = "localisation";
-constexpr const char* kDetection = "detection";
 
 std::vector<ComparedRow> EstimateBins(const ComparisonJob& job) {
   ProgressLine progress;
@@ -67,26 +65,6 @@ std::vector<std::string> Overlays(const std::filesystem::path& folder,
   return found;
 }
 
-// Returns the estimators named by --estimator, or the one of the settings. Throws if no estimator
-// uses the given model, because the comparison would not be the intended one.
-std::vector<ComparedEstimator> NamedEstimators(const ScenarioRequest& arguments,
-                                               const std::vector<std::string>& labels,
-                                               const EstimatorSpec& base) {
-  const std::vector<ComparedEstimator> rows =
-      ParseEstimators(labels.empty() ? std::vector{base.name} : labels, base);
-  for (const std::string& setting : arguments.settings) {
-    const bool taken = std::any_of(rows.begin(), rows.end(), [&](const ComparedEstimator& row) {
-      return row.spec.model == base.model;
-    });
-    CheckInput(
-        taken || !setting.starts_with("estimator.model="),
-        fmt::format("--set {}: this model belongs to '{}', which --estimator does not name; write "
-                    "--estimator NAME={} with the estimator that the model was trained for",
-                    setting, base.name, base.model));
-  }
-  return rows;
-}
-
 int EstimateScenario(const ScenarioRequest& arguments, const std::vector<std::string>& estimators,
                      const std::vector<std::string>& tolerance, const std::string& out,
                      int threads) {
@@ -122,26 +100,6 @@ int EstimateScenario(const ScenarioRequest& arguments, const std::vector<std::st
   fmt::print(stderr, "pickbed: interrupted after {} of {} bins\n", rows.front().images.size(),
              scenario.spec.trials);
   return kExitInterrupted;
-}
-
-// Returns the estimator whose stages are shown.
-EstimatorSpec ExplainedEstimator(const ScenarioRequest& arguments,
-                                 const std::vector<std::string>& labels,
-                                 const EstimatorSpec& spec) {
-  CheckInput(labels.size() < 2, "--explain shows the stages of one estimator; name only one");
-  const EstimatorSpec chosen = NamedEstimators(arguments, labels, spec).front().spec;
-  RequireExplains(chosen.name);
-  return chosen;
-}
-
-void SayWhereExplained(const ExplanationPage& page) {
-  if (SayIfUnwritten(page.unwritten)) {
-    fmt::print("page with pictures of the stages: {}{}\n", page.file.string(),
-               page.replaced ? "; it replaces an earlier page of this image" : "");
-  } else {
-    fmt::print("pictures of the stages in {}\n",
-               (page.file.parent_path() / kPicturesFolder).string());
-  }
 }
 
 // Parses the trial number of --explain.
@@ -188,154 +146,6 @@ int ExplainScenario(const ScenarioRequest& arguments, const std::vector<std::str
   return 0;
 }
 
-std::string DataSetName(const std::string& path) {
-  return (std::filesystem::absolute(path) / ".")
-      .lexically_normal()
-      .parent_path()
-      .filename()
-      .string();
-}
-
-struct BopArguments {
-  std::string path;
-  std::string split = "test";
-  std::string task = kLocalisation;
-  bool without_cell = false;
-  std::string roi;
-};
-
-// Returns the bin of a data set that `pickbed dataset make` wrote; nullopt for others.
-std::optional<Bin> StoredBin(const BopArguments& bop) {
-  const std::filesystem::path file = std::filesystem::path(bop.path) / kDatasetScenarioFile;
-  if (bop.without_cell || !std::filesystem::exists(file)) return std::nullopt;
-  return BinOf(LoadScenario(file));
-}
-
-DatasetTask TaskOf(const BopArguments& bop) {
-  return bop.task == kDetection ? DatasetTask::kDetection : DatasetTask::kLocalisation;
-}
-
-// Each task has its own default folder, because the information given to the estimator changes the
-// poses.
-std::filesystem::path BopFolder(const BopArguments& bop, const std::string& out,
-                                const std::string& what) {
-  const std::string task = TaskOf(bop) == DatasetTask::kDetection ? "-detection" : "";
-  return OutFolder(out, DataSetName(bop.path), what + task);
-}
-
-// Returns the scenario settings that apply to existing images: estimator, refiner, roi and seed.
-// `min_score` is the default of that setting.
-ScenarioSpec ImageSettings(const ScenarioRequest& arguments, double min_score) {
-  ScenarioSpec spec;
-  spec.estimator.min_score = min_score;
-  for (const std::string& setting : arguments.settings) {
-    ApplySetting(setting, [&](SettingsVisitor& v) { spec.Visit(v); });
-  }
-  spec.roi.Validate("setting roi");
-  return spec;
-}
-
-ScenarioSpec BopSettings(const BopArguments& bop, const ScenarioRequest& arguments,
-                         double min_score) {
-  CheckInput(arguments.scenario.empty() && !arguments.trials,
-             "--bop replaces SCENARIO and --trials; give one or the other");
-  CheckInput(std::filesystem::is_directory(bop.path),
-             fmt::format("--bop {}: is no folder; give a folder with models/ and {}/", bop.path,
-                         bop.split));
-  ScenarioSpec spec = ImageSettings(arguments, min_score);
-  if (!bop.roi.empty()) spec.roi = ParseRegion(bop.roi);
-  return spec;
-}
-
-int ExplainBop(const BopArguments& bop, const ScenarioRequest& arguments,
-               const std::vector<std::string>& estimators, const std::string& image,
-               const std::string& out) {
-  ScenarioSpec spec = BopSettings(bop, arguments, kMinImageScore);
-  spec.estimator = ExplainedEstimator(arguments, estimators, spec.estimator);
-  const std::filesystem::path folder = BopFolder(bop, out, "-bop-explain");
-  ExplanationPage page;
-  {
-    constexpr int kThreads = 1;
-    ProgressLine progress;
-    EstimateDatasetOptions options{spec.estimator, spec.refiner, spec.seed, kThreads, TaskOf(bop)};
-    options.bin = StoredBin(bop);
-    options.region = spec.roi;
-    page = ExplainTarget(
-        bop.path, bop.split, options, image, folder, [&](const EstimateDatasetProgress& state) {
-          progress.Show(fmt::format("{}: {}", state.what, WholePercentText(state.share)));
-        });
-  }
-  SayWhereExplained(page);
-  return 0;
-}
-
-int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
-                const std::vector<std::string>& estimators, const std::string& out, int threads) {
-  // BOP ranks poses by score; a pose with a low score costs nothing.
-  constexpr double kEvenDoubtful = 0;
-  ScenarioSpec spec = BopSettings(bop, arguments, kEvenDoubtful);
-  CheckInput(estimators.size() < 2,
-             "--bop writes the estimates of one estimator; name only one with --estimator");
-  const std::vector<ComparedEstimator> named =
-      NamedEstimators(arguments, estimators, spec.estimator);
-  RequireModes(spec, named);
-  spec.estimator = named.front().spec;
-  const std::filesystem::path folder = BopFolder(bop, out, "-estimate");
-  const std::string name =
-      fmt::format("{}_{}-{}", spec.estimator.name, DataSetName(bop.path), bop.split);
-  const std::filesystem::path csv = folder / (name + ".csv");
-  const std::filesystem::path images = folder / (name + ".images.csv");
-  const std::filesystem::path partial = folder / (name + ".partial.csv");
-  const std::filesystem::path partial_images = folder / (name + ".partial.images.csv");
-  MakeFolder(folder);
-  CatchInterrupts();
-  DatasetEstimates result;
-  // Writes what was estimated before the work ended early, and returns where it is.
-  const auto keep = [&]() -> std::string {
-    if (result.done == 0) return "no image was processed";
-    WriteFileAtomically(partial, WriteEstimates(result.estimates));
-    WriteFileAtomically(partial_images, DatasetImagesCsv(result.notes));
-    return fmt::format("the estimates of {} of {} images are in {}", result.done, result.images,
-                       partial.string());
-  };
-  try {
-    ProgressLine progress;
-    EstimateDatasetOptions options{spec.estimator, spec.refiner, spec.seed, threads, TaskOf(bop)};
-    options.log_dir = folder / kLogsFolder;
-    options.bin = StoredBin(bop);
-    options.region = spec.roi;
-    options.stop = Interrupted;
-    options.on_warning = [&](const std::string& line) { progress.Note(line); };
-    EstimateDataset(
-        bop.path, bop.split, options, result, [&](const EstimateDatasetProgress& state) {
-          progress.Show(fmt::format("{}: {}", state.what, WholePercentText(state.share)));
-        });
-  } catch (const InputError& error) {
-    if (result.done == 0) throw;
-    throw InputError(fmt::format("{}; {}", error.what(), keep()));
-  } catch (const std::exception&) {
-    if (result.done > 0) fmt::print(stderr, "{}\n", keep());
-    throw;
-  }
-  if (result.done < result.images && Interrupted()) {
-    fmt::print(stderr, "pickbed: interrupted; {}\n", keep());
-    return kExitInterrupted;
-  }
-  WriteFileAtomically(images, DatasetImagesCsv(result.notes));
-  WriteFileAtomically(csv, WriteEstimates(result.estimates));
-  std::error_code none;
-  std::filesystem::remove(partial, none);
-  std::filesystem::remove(partial_images, none);
-  fmt::print(
-      "{} estimates in {}, and the warnings of each image in {}\nscore them with pickbed score "
-      "--bop {} --split {} {}\n{}",
-      result.estimates.size(), csv.string(), images.string(), bop.path, bop.split, csv.string(),
-      TaskOf(bop) == DatasetTask::kLocalisation
-          ? "of its scores, AP is comparable only after --task detection\n"
-          : "");
-  return 0;
-}
-
 }  // namespace
 
 int EstimateCommand(int argc, char** argv) {
@@ -358,27 +168,12 @@ int EstimateCommand(int argc, char** argv) {
       ->description(
           "scenario file, name of a preset (see pickbed list presets), or an image: a color image "
           "with --depth, a depth image or an organised cloud");
-  auto* bop_option =
-      app.add_option("--bop", bop.path, "folder of a BOP dataset; replaces SCENARIO");
-  app.add_option("--split", bop.split, "scene folder of the BOP dataset")
-      ->capture_default_str()
-      ->needs(bop_option);
-  app.add_option("--task", bop.task,
-                 "information given to the estimator for each BOP image: which objects to find and "
-                 "how many of each (localisation), or none (detection; the default results folder "
-                 "then ends in -detection)")
-      ->check(CLI::IsMember({kLocalisation, kDetection}))
-      ->capture_default_str()
-      ->needs(bop_option);
+  AddBopArguments(app, bop);
   app.add_option("--roi", bop.roi,
                  "region of interest of --bop and IMAGE: auto, world:X,Y,Z,X,Y,Z or "
                  "camera:X,Y,Z,X,Y,Z (two corners of a box, m), or a mask image; a SCENARIO has "
                  "the setting roi");
   AddImageArguments(app, image);
-  app.add_flag("--without-cell", bop.without_cell,
-               "do not use the bin and the camera poses that `pickbed dataset make` stored; table, "
-               "floor and bin are then looked for in each image")
-      ->needs(bop_option);
   app.add_option("--estimator", estimators,
                  "one or several estimators to compare on the same bins, separated by commas; each "
                  "is NAME, NAME:MODE, NAME=MODEL or NAME:MODE=MODEL, where MODEL is a file trained "

@@ -95,6 +95,9 @@ std::string HashedThing(const std::string& key) {
   if (key.starts_with("# completion")) return "model of shape completion";
   if (key.starts_with("# program")) return "program of the estimator or planner";
   if (key.starts_with("# estimator")) return "program that answers for the estimator";
+  if (key.starts_with("# images of the dataset")) return "list of the target images";
+  if (key.starts_with("# meshes of the dataset")) return "meshes of the dataset";
+  if (key.starts_with("# cell of the dataset")) return "bin of the dataset";
   if (key.starts_with("# planner")) return "program that answers for the planner";
   return "";
 }

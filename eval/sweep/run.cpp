@@ -125,6 +125,32 @@ std::string GroundTruthText(const OracleStages& truth) {
 
 }  // namespace
 
+std::string EstimatorFilesText(const ScenarioSpec& spec) {
+  std::string text;
+  for (const EstimatorRow& row : EstimatorTable()) {
+    if (spec.estimator.name != row.name || row.make_training == nullptr) continue;
+    const std::filesystem::path file = row.make_training()->ModelFile(spec.estimator);
+    if (!std::filesystem::exists(file)) continue;  // the estimator reports this with a remedy
+    const std::string bytes = ReadFileBytes(file);
+    text += fmt::format("# model {:016x}\n", HashBytes(bytes.data(), bytes.size()));
+  }
+  if (!spec.estimator.calibration.empty()) {
+    WithSettingsKey(spec, "estimator.calibration", [&] {
+      CheckInput(spec.estimator.name != kOracleName,
+                 fmt::format("the score of {} is the visible fraction, which is not calibrated; "
+                             "remove the calibration",
+                             kOracleName));
+      CalibrationFor(spec.estimator);
+    });
+    const std::string bytes = ReadFileBytes(spec.estimator.calibration);
+    text += fmt::format("# calibration {:016x}\n", HashBytes(bytes.data(), bytes.size()));
+  }
+  if (spec.estimator.name == kProcessName) {
+    text += ProgramText(spec, "estimator", spec.estimator);
+  }
+  return text;
+}
+
 std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
                         const OracleStages& truth) {
   ScenarioSpec same_for_all = spec;
@@ -164,27 +190,7 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
     const std::string bytes = ReadFileBytes(spec.folder / spec.bin.mesh);
     text += fmt::format("# bin {:016x}\n", HashBytes(bytes.data(), bytes.size()));
   }
-  for (const EstimatorRow& row : EstimatorTable()) {
-    if (spec.estimator.name != row.name || row.make_training == nullptr) continue;
-    const std::filesystem::path file = row.make_training()->ModelFile(spec.estimator);
-    if (!std::filesystem::exists(file)) continue;  // the estimator reports this with a remedy
-    const std::string bytes = ReadFileBytes(file);
-    text += fmt::format("# model {:016x}\n", HashBytes(bytes.data(), bytes.size()));
-  }
-  if (!spec.estimator.calibration.empty()) {
-    WithSettingsKey(spec, "estimator.calibration", [&] {
-      CheckInput(spec.estimator.name != kOracleName,
-                 fmt::format("the score of {} is the visible fraction, which is not calibrated; "
-                             "remove the calibration",
-                             kOracleName));
-      CalibrationFor(spec.estimator);
-    });
-    const std::string bytes = ReadFileBytes(spec.estimator.calibration);
-    text += fmt::format("# calibration {:016x}\n", HashBytes(bytes.data(), bytes.size()));
-  }
-  if (spec.estimator.name == kProcessName) {
-    text += ProgramText(spec, "estimator", spec.estimator);
-  }
+  text += EstimatorFilesText(spec);
   if (spec.planner.name.starts_with("process")) {
     text += ProgramText(spec, "planner", spec.planner);
   }

@@ -71,10 +71,11 @@ invalid_bop_data_is_refused() {
   refused "columns.csv:1: begins with" "$pickbed" score --bop sound columns.csv
 }
 
-# The estimator breaks the second image while it works on the first.
-estimates_before_a_broken_image_are_kept() {
+# The estimator breaks another image while it works on one.
+estimates_resume_after_an_interrupt_and_a_broken_image() {
   echo "camera: {width: 96, height: 72, focal_px: 100}" >>small.yaml
   expect 0 "$pickbed" dataset make small.yaml --scenes 1 --views 3 --jobs 1 --out set
+  cp -r set/test/000001/depth sound
   cat >estimator.py <<'PY'
 import os
 import signal
@@ -83,7 +84,7 @@ import pickbed_plugin as pb
 @pb.estimator
 def mine(frame):
     if os.path.exists("break"):
-        open("set/test/000001/depth/000001.png", "w").close()
+        open("set/test/000001/depth/00000%s.png" % open("break").read(), "w").close()
     if os.path.exists("stop"):
         os.kill(os.getppid(), signal.SIGTERM)
     return [pb.Pose(frame.setup.objects[0].name, np.eye(3), [0, 0, 0.8], 0.9)]
@@ -100,19 +101,32 @@ PY
 
   touch stop
   expect 130 "${estimate[@]}"
-  [ "$(grep '^pickbed: ' last.err)" = "pickbed: interrupted; the estimates of 1 of 3 images are in $partial" ] ||
+  [ "$(grep '^pickbed: ' last.err)" = "pickbed: interrupted; the estimates of 1 of 3 images are in $partial; resume it" ] ||
     fail "an interrupt does not name the partial results"
   [ "$(wc -l <$partial)" = 2 ] || fail "not the poses of the first image"
   [ "$(wc -l <"${partial%.csv}.images.csv")" = 2 ] || fail "not a list of the first image"
   rm stop
 
-  touch break
-  refused "depth/000001.png" "${estimate[@]}"
-  grep '^pickbed: ' last.err | grep -q "the estimates of 1 of 3 images are in $partial" || fail "the partial results are not named"
-  head -2 whole/process_set-test.csv | cut -d, -f1-6 >first
-  cut -d, -f1-6 $partial | diff - first >&2 || fail "other poses of the first image"
+  refused "$partial has the estimates of 1 images of an interrupted run; resume it (--resume)" "${estimate[@]}"
+  refused "(seed: 0 before, 5 now)" "${estimate[@]}" --resume --set seed=5
+  # Lines of the image in which a killed process was.
+  printf '1,1,1,0.9,1 0 0 0 1 0 0 0 1,0 0 8' >>$partial
+  printf 2 >break
+  refused "depth/000002.png" "${estimate[@]}" --resume
+  grep '^pickbed: ' last.err | grep -q "the estimates of 2 of 3 images are in $partial" || fail "the partial results are not named"
+  head -3 whole/process_set-test.csv | cut -d, -f1-6 | diff - <(cut -d, -f1-6 $partial) >&2 ||
+    fail "other poses of the first images"
   [ -e poses/process_set-test.csv ] && fail "the results look complete"
   rm break
+  cp sound/* set/test/000001/depth
+  expect 0 "${estimate[@]}" --resume
+  for file in process_set-test.csv process_set-test.images.csv; do
+    diff <(cut -d, -f1-6 whole/$file) <(cut -d, -f1-6 poses/$file) >&2 || fail "the resumed $file is another one"
+  done
+  [ -z "$(ls poses | grep partial)" ] || fail "partial results of a complete run"
+  refused "there is no poses/process_set-test.partial.yaml of an interrupted run" "${estimate[@]}" --resume
+
+  : >set/test/000001/depth/000001.png
   refused "depth/000001.png" "${estimate[@]}"
   grep -q "the estimates of" last.err && fail "there are estimates before the first image"
   return 0
