@@ -51,13 +51,15 @@ LoadedScenario LoadedPool(const CompletedGraspsOptions& options) {
   return scenario;
 }
 
+bool IsSingle(const std::string& condition) { return condition == kGraspConditions[0]; }
+
 // The scenario of a condition: a bin with one drawn shape and a single attempt, or the bins.
 ScenarioSpec SpecOf(const std::string& condition, const ScenarioSpec& scenario,
                     const std::string& planner, const CompletedGraspsOptions& options) {
   ScenarioSpec spec = scenario;
   spec.seed = options.seed;
   SetPlanner(planner, options.completion, spec);
-  if (condition == kGraspConditions[0]) {
+  if (IsSingle(condition)) {
     spec.draw = 1;
     spec.policy.max_attempts = 1;
   }
@@ -165,7 +167,7 @@ CompletedGrasps RunCompletedGrasps(const CompletedGraspsOptions& options,
   const int total = static_cast<int>(options.planners.size()) * (options.single + options.bins);
   int done = 0;
   for (const char* condition : kGraspConditions) {
-    const bool is_single = condition == kGraspConditions[0];
+    const bool is_single = IsSingle(condition);
     std::vector<ScenarioSpec> specs;
     for (const std::string& planner : options.planners) {
       specs.push_back(SpecOf(condition, scenario.spec, planner, options));
