@@ -18,14 +18,15 @@ reports_work_in_a_browser() {
   local one=(--set policy.stop=one_pick --trials 12 --set estimator.name=oracle)
   expect 0 "$pickbed" run small.yaml "${one[@]}" --set estimator.noise_mm=9 --out one
   expect 0 "$pickbed" run small.yaml "${one[@]}" --set estimator.noise_mm=3 --out two
-  expect 0 "$pickbed" report one
+  local few=(--views 2 --animations 2) # each takes seconds in the browser
+  expect 0 "$pickbed" report one "${few[@]}"
   grep -q "one/report.html" last.out || fail "the page is not named"
   _browser one/report.html 2 2
   grep -q "data:image/jpeg" one/report.html || fail "no picture of a failed pick"
   grep -q "have no picture here" one/report.html && fail "a failed pick has no picture"
-  expect 0 "$pickbed" report one --out one/again.html
+  expect 0 "$pickbed" report one "${few[@]}" --out one/again.html
   same one/report.html one/again.html
-  expect 0 "$pickbed" compare one two --out both.html --json both.json
+  expect 0 "$pickbed" compare one two "${few[@]}" --out both.html --json both.json
   grep -q "^A is one, B is two; 12 scenes that both have" last.out || fail "the shared bins are not reported"
   grep -q "^  pick success, % .*\[.*\]" last.out || fail "the differences are not printed"
   grep -q '"first": "one"' both.json && grep -q '"odds_ratio_ci95"' both.json &&
@@ -49,8 +50,9 @@ policy: {stop: one_pick}
 YAML
   expect 0 "$pickbed" run markup.yaml --trials 6 --out "$run"
   expect 0 "$pickbed" run markup.yaml --trials 6 --set estimator.noise_mm=3 --out two
-  expect 0 "$pickbed" report "$run" --out page.html
-  expect 0 "$pickbed" compare "$run" two --out both.html
+  local few=(--views 1 --animations 1) # each takes seconds in the browser
+  expect 0 "$pickbed" report "$run" "${few[@]}" --out page.html
+  expect 0 "$pickbed" compare "$run" two "${few[@]}" --out both.html
   for page in page.html both.html; do
     grep -q "&lt;img src=x" $page || fail "the run is not named on $page"
     grep -q "&lt;script&gt;self" $page || fail "the object is not named on $page"
