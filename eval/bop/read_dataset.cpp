@@ -283,7 +283,7 @@ std::vector<TargetView> ReadViews(const ParsedJson& list, const JsonPlace& place
   std::vector<TargetView> views;
   for (const ParsedJson& view : list) {
     if (!view.is_array() || view.size() != 2 || !view[0].is_string() ||
-        !view[1].is_number_integer()) {
+        !view[1].is_number_integer() || view[1] < 0 || view[1] > kLargestNumber) {
       place.Fault("'im_id' is no list of [sensor, number]");
       return {};
     }

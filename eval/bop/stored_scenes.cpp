@@ -61,8 +61,8 @@ std::string ListText(const std::vector<std::string>& entries) {
 
 PosedObject InstanceOf(const ParsedJson& entry, const ObjectSet& objects, const JsonPlace& place) {
   PosedObject posed;
-  posed.instance = InstanceId(entry.at("instance").get<int>());
-  const int object_id = entry.at("obj_id").get<int>();
+  posed.instance = InstanceId(JsonInteger(entry, "instance", place).value());
+  const int object_id = JsonInteger(entry, "obj_id", place).value();
   if (object_id < 1 || object_id > static_cast<int>(objects.size())) {
     place.Fault(fmt::format("obj_id {} is not in the scenario", object_id));
   }
@@ -155,8 +155,12 @@ StoredScenes ReadStoredScenes(const fs::path& folder, const Bin& bin, const Obje
     CheckInput(json.at("format") == kFormat,
                fmt::format("{}: has format {}, not {}; it is from another version of pickbed",
                            file.string(), json.at("format").dump(), kFormat));
+    // A conversion would turn other numbers into wrong ones without an error.
+    CheckInput(json.at("seed").is_number_unsigned(),
+               fmt::format("{}: seed {} is not a whole number from 0", file.string(),
+                           json.at("seed").dump()));
     stored.seed = json.at("seed").get<uint64_t>();
-    stored.bin_index = BinIndex(json.at("bin_index").get<int>());
+    stored.bin_index = BinIndex(JsonInteger(json, "bin_index", place).value());
     CheckInput(json.at("bin") == BinJson(bin),
                fmt::format("{}: was made with another bin than the scenario has", file.string()));
     RequireSameObjects(json.at("objects"), objects, file);
@@ -178,10 +182,10 @@ StoredScenes ReadStoredScenes(const fs::path& folder, const Bin& bin, const Obje
       }
     }
     for (const auto& [key, index] : json.at("images").items()) {
-      stored.of_image[ParseId(key).value()] = index.get<size_t>();
-      if (index.get<size_t>() >= stored.scenes.size()) {
+      if (!index.is_number_unsigned() || index.get<size_t>() >= stored.scenes.size()) {
         place.Fault(fmt::format("image {} has scene {}, which is not there", key, index.dump()));
       }
+      stored.of_image[ParseId(key).value()] = index.get<size_t>();
     }
   } catch (const InputError&) {
     throw;

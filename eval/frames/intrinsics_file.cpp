@@ -124,13 +124,16 @@ void TakeMatrix(const std::vector<double>& k, const std::string& name, GivenIntr
              name + ": the camera matrix is not fx 0 cx 0 fy cy 0 0 1; give such a matrix");
 }
 
-// The wrong scale of the depth would not be noticed.
-void RequireKeyOfScale(const SettingsTree& map, const std::string& name) {
-  constexpr std::string_view kKey = "depth_scale";
+// Without these keys, a wrong scale of the depth, the size of another image or a distortion would
+// not be noticed.
+void RequireSoundKeys(const SettingsTree& map, const std::string& name) {
   for (const SettingsTree& item : map.items) {
-    CheckInput(!IsDamagedKey(item.key, kKey),
-               fmt::format("{}: has the unknown key '{}'; did you mean {}?", name,
-                           OneLine(item.key), kKey));
+    for (const char* key : {"depth_scale", "width", "height", "image_width", "image_height",
+                            "distortion_coefficients", "dist_coeffs"}) {
+      CheckInput(!IsDamagedKey(item.key, key),
+                 fmt::format("{}: has the unknown key '{}'; did you mean {}?", name,
+                             OneLine(item.key), key));
+    }
   }
 }
 
@@ -150,7 +153,7 @@ void RequireNoCutKey(std::string_view text, const std::string& name) {
 constexpr double kMinScale_mm = 0.005;
 
 GivenIntrinsics FromMap(const SettingsTree& map, const std::string& name) {
-  RequireKeyOfScale(map, name);
+  RequireSoundKeys(map, name);
   GivenIntrinsics given;
   const std::vector<double> matrix =
       NumbersOf(map, {"cam_K", "K", "k", "camera_matrix", "intrinsic_matrix"});
@@ -181,6 +184,12 @@ GivenIntrinsics FromMap(const SettingsTree& map, const std::string& name) {
   if (given.depth_scale_mm && *given.depth_scale_mm < kMinScale_mm) *given.depth_scale_mm *= 1e3;
   const std::vector<double> distortion =
       NumbersOf(map, {"D", "distortion_coefficients", "dist_coeffs", "coeffs"});
+  constexpr double kLargest = 1e6;  // coefficients of rational models reach some hundreds
+  for (const double coefficient : distortion) {
+    CheckInput(std::abs(coefficient) <= kLargest,
+               fmt::format("{}: has the distortion coefficient {:g}, over {:g}; get the file again",
+                           name, coefficient, kLargest));
+  }
   given.is_distorted = std::ranges::any_of(distortion, [](double c) { return c != 0; });
   return given;
 }

@@ -109,6 +109,10 @@ std::vector<ConvexPiece> FromText(const std::string& text) {
     }
   }
   CheckInput(in && count > 0, "a piece is cut short");
+  CheckInput((in >> std::ws).eof(), "there is text behind the pieces");
+  for (const ConvexPiece& piece : pieces) {
+    CheckInput(scenes::SpansAVolume(piece.vertices_O), "a piece has no volume");
+  }
   return pieces;
 }
 
