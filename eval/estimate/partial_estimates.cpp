@@ -101,7 +101,7 @@ void PartialEstimates::Begin(const std::string& identity, bool resume) {
   } else if (is_interrupted && Exists(partial_images_csv_)) {
     const size_t records = RecordEnds(ReadFileText(partial_images_csv_)).size();
     CheckInput(records < 2,
-               fmt::format("{} has the estimates of {} images of an interrupted run; resume it, "
+               fmt::format("{} has the estimates of an interrupted run (images: {}); resume it, "
                            "or choose another results folder",
                            partial_csv_.string(), records - 1));
   }

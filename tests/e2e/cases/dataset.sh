@@ -107,7 +107,7 @@ PY
   [ "$(wc -l <"${partial%.csv}.images.csv")" = 2 ] || fail "not a list of the first image"
   rm stop
 
-  refused "$partial has the estimates of 1 images of an interrupted run; resume it (--resume)" "${estimate[@]}"
+  refused "$partial has the estimates of an interrupted run (images: 1); resume it (--resume)" "${estimate[@]}"
   refused "(seed: 0 before, 5 now)" "${estimate[@]}" --resume --set seed=5
   # Lines of the image in which a killed process was.
   printf '1,1,1,0.9,1 0 0 0 1 0 0 0 1,0 0 8' >>$partial

@@ -93,7 +93,7 @@ TEST_F(PartialEstimatesTest, AnotherRunDoesNotTakeTheImagesOfAnInterruptedOne) {
   PartialEstimates stopped = Begun(false);
   AddImages(stopped, 0, 2);
   const std::string before = ReadFileBytes(Named(".partial.csv"));
-  EXPECT_THAT(ErrorOf([&] { Begun(false); }), HasSubstr("has the estimates of 2 images"));
+  EXPECT_THAT(ErrorOf([&] { Begun(false); }), HasSubstr("(images: 2)"));
   EXPECT_THAT(ErrorOf([&] { Begun(true, "seed: 2\n# model 0123\n"); }),
               HasSubstr("(seed: 1 before, 2 now)"));
   EXPECT_THAT(ErrorOf([&] { Begun(true, "seed: 1\n# model 0124\n"); }),
