@@ -117,6 +117,8 @@ void PartialEstimates::CreateFiles() {
 
 // An image is finished if its line in the list of images is complete, which is written last.
 void PartialEstimates::Keep() {
+  // The earlier run ended in Finish().
+  if (!Exists(partial_csv_) && Exists(csv_)) Rename(csv_, partial_csv_);
   const std::string images = ReadFileBytes(partial_images_csv_);
   const std::string estimates = ReadFileBytes(partial_csv_);
   const auto require = [&](bool fits) {
@@ -156,8 +158,8 @@ void PartialEstimates::Add(const DatasetImageNote& note,
 
 void PartialEstimates::Finish() {
   if (!has_files_) CreateFiles();
-  Rename(partial_images_csv_, images_csv_);
   Rename(partial_csv_, csv_);
+  Rename(partial_images_csv_, images_csv_);
   std::error_code none;
   fs::remove(identity_file_, none);
 }

@@ -81,6 +81,19 @@ TEST_F(PartialEstimatesTest, AResumedRunHasTheBytesOfAnUndisturbedOne) {
   }
 }
 
+TEST_F(PartialEstimatesTest, ARunThatEndedBetweenTheRenamesIsComplete) {
+  PartialEstimates stopped = Begun(false);
+  AddImages(stopped, 0, 3);
+  const std::string csv = ReadFileBytes(Named(".partial.csv"));
+  fs::rename(Named(".partial.csv"), Named(".csv"));
+  PartialEstimates resumed = Begun(true);
+  EXPECT_EQ(resumed.finished().size(), 3u);
+  resumed.Finish();
+  EXPECT_EQ(ReadFileBytes(Named(".csv")), csv);
+  EXPECT_TRUE(fs::exists(Named(".images.csv")));
+  EXPECT_FALSE(fs::exists(Named(".partial.yaml")));
+}
+
 TEST_F(PartialEstimatesTest, ABegunRunWritesNothingBeforeItsFirstImage) {
   PartialEstimates files = Begun(false);
   EXPECT_TRUE(fs::is_empty(folder_.path()));
