@@ -95,6 +95,7 @@ PlyHeader ReadHeader(const std::string& bytes, const std::string& name) {
     require(end != std::string::npos, "the PLY header does not end; get the file again");
     std::istringstream line(bytes.substr(header.end, end - header.end));
     header.end = end + 1;
+    key.clear();  // of a blank line
     line >> key;
     if (key == "format") {
       std::string format;
@@ -124,6 +125,9 @@ PlyHeader ReadHeader(const std::string& bytes, const std::string& name) {
       others.push_back(property);
     } else if (key == "comment" || key == "obj_info") {
       ReadSize(line, header);
+    } else if (!key.empty() && key != "ply") {
+      require(key == "end_header", "the header has the line '" + OneLine(line.str()) +
+                                       "', which is no statement of PLY; get the file again");
     }
   }
   return header;

@@ -42,6 +42,10 @@ double NumberOf(const SettingsTree& item, const std::string& what) {
   CheckInput(item.kind == Kind::kValue && error == std::errc() &&
                  end == text.data() + text.size() && std::isfinite(value),
              fmt::format("{}: {} = {}: must be a finite number", item.place, what, item.text));
+  constexpr double kSmallest = 1e-100;  // rounding of a zero gives larger numbers
+  CheckInput(value == 0 || std::abs(value) > kSmallest,
+             fmt::format("{}: {} = {}: is too small for a length or an angle; get the file again",
+                         item.place, what, item.text));
   return value;
 }
 

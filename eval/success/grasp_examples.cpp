@@ -275,8 +275,10 @@ GraspExamples LoadGraspExamples(const std::filesystem::path& file, const std::st
                "the file is damaged: its lists do not belong together");
     CheckInput(std::ranges::all_of(examples.success, [](uint8_t value) { return value <= 1; }),
                "a success is neither 0 nor 1");
-    const auto is_finite = [](float value) { return std::isfinite(value); };
-    CheckInput(std::ranges::all_of(examples.inputs, is_finite), "an input is not finite");
+    constexpr float kLargest = 1e6f;  // inputs are lengths in m, shares and angles
+    const auto is_usual = [](float value) { return std::abs(value) <= kLargest; };
+    CheckInput(std::ranges::all_of(examples.inputs, is_usual),
+               "an input is not finite, or too large");
     return examples;
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}; give another folder with --data, or move the file away",

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "perception/networks/verifier_file.h"
@@ -59,6 +61,9 @@ std::vector<TrainedVerifier> TakeVerifiers(BlockReader& reader) {
   const std::vector<double> auc = reader.TakeAll<double>();
   const std::vector<float> values = reader.TakeAll<float>();
   if (auc.empty()) return {};
+  constexpr float kLargest = 1e6f;
+  CheckInput(std::ranges::all_of(values, [](float v) { return std::abs(v) <= kLargest; }),
+             "a value of a verifier is not finite, or too large");
   const std::vector<Verifier> verifiers = VerifiersFrom(values, auc.size());
   std::vector<TrainedVerifier> trained;
   for (size_t i = 0; i < auc.size(); ++i) trained.push_back({verifiers[i], auc[i]});

@@ -169,6 +169,20 @@ class GltfChecker {
     CheckNumbers(value, list->second, place);
     if (key == "baseColorFactor") CheckColor(value, place);
     if (key == "rotation") CheckRotation(value, place);
+    if (key == "matrix") CheckLastRow(value, place);
+  }
+
+  // The matrix of a node is stored column by column. Its last row must be 0 0 0 1, which the reader
+  // would assume for any other one.
+  void CheckLastRow(const Json& matrix, const std::string& place) const {
+    constexpr double kMaxError = 1e-3;
+    for (size_t column = 0; column < 4; ++column) {
+      const double value = matrix[4 * column + 3].get<double>();
+      if (std::abs(value - (column == 3 ? 1 : 0)) < kMaxError) continue;
+      Refuse(place, fmt::format("has the last row {} {} {} {}, not 0 0 0 1",
+                                matrix[3].get<double>(), matrix[7].get<double>(),
+                                matrix[11].get<double>(), matrix[15].get<double>()));
+    }
   }
 
   // The nodes of the file are objects, the ones of a scene are indices.

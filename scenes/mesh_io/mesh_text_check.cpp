@@ -210,6 +210,12 @@ std::string FaultOfObjLine(std::span<const std::string_view> words) {
   if (!IsStatement(kind)) return fmt::format("begins with {}, which is no word", shown(kind));
   const bool has_numbers = kind == "v" || kind == "vn" || kind == "vt";
   if (!has_numbers && kind != "f" && kind != "l" && kind != "p") {
+    // An added letter would drop a face. A statement 'fo' is an old name of 'f'.
+    const std::span<const std::string_view> corners = words.subspan(1);
+    if (kind.size() == 2 && kind.find('f') != kind.npos && kind != "fo" && corners.size() >= 3 &&
+        std::ranges::all_of(corners, IsCorner)) {
+      return fmt::format("begins with the unknown word {}; did you mean f?", shown(kind));
+    }
     // Statements of other programs have names of their own.
     if (kind.size() < 4) return "";
     const std::string near = NearestName(kind, {"usemtl", "mtllib", "usemap", "maplib"});

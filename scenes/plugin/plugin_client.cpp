@@ -9,6 +9,8 @@
 
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
+#include "scenes/base/message_text.h"
+#include "scenes/base/settings_tree.h"
 
 namespace pickbed::scenes {
 namespace {
@@ -81,6 +83,20 @@ std::vector<std::string> NeedsIn(const MessageValue& hello) {
     throw MessageError(UnknownNameMessage("word in needs:", need, kKnown));
   }
   return needs;
+}
+
+// A plug-in with a misspelled key would run without the inputs that it needs. It may have keys of
+// its own.
+void RequireSoundKeys(const MessageValue& hello) {
+  if (hello.map() == nullptr) return;
+  for (const auto& [key, value] : *hello.map()) {
+    for (const char* known : {"protocol", "name", "version", "roles", "needs"}) {
+      if (IsDamagedKey(key, known)) {
+        throw MessageError(
+            fmt::format("it has the unknown key '{}'; did you mean {}?", OneLine(key), known));
+      }
+    }
+  }
 }
 
 std::string JoinedLines(std::string text) {
@@ -193,6 +209,7 @@ void PluginClient::SayHello() {
                       "this version",
                       protocol, kPluginProtocol));
     }
+    RequireSoundKeys(answer);
     const MessageValue* version = answer.Find("version");
     identity_ = {answer.At("name").Text("name"), version ? version->Text("version") : "",
                  TextsIn(answer, "roles"), NeedsIn(answer)};
