@@ -53,6 +53,7 @@ class Runner {
         bin_(options.bin),
         region_(options.region),
         on_warning_(options.on_warning),
+        is_first_(options.finished.empty()),
         object_ids_(std::move(dataset.ids)) {
     ImageEstimatorSetup setup{std::move(dataset.objects), options.estimator, options.refiner,
                               options.threads, options.log_dir};
@@ -165,7 +166,7 @@ class Runner {
   std::optional<Bin> bin_;
   RegionSpec region_;
   std::function<void(const std::string& line)> on_warning_;
-  bool is_first_ = true;  // the next image
+  bool is_first_;  // the next image, of all images of the data set
   int images_ = 0, without_background_ = 0, outside_domain_ = 0, empty_regions_ = 0;
   std::string first_domain_warning_;
   std::vector<int> object_ids_;

@@ -4,11 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <array>
-#include <cerrno>
 #include <charconv>
-#include <cstdio>
-#include <cstring>
-#include <memory>
 #include <vector>
 
 #include "eval/store/settings_difference.h"
@@ -53,15 +49,6 @@ void CutFile(const fs::path& file, size_t size) {
   CheckInput(!error, fmt::format("cannot write {}: {}", file.string(), error.message()));
 }
 
-void AppendTo(const fs::path& file, const std::string& text) {
-  const std::unique_ptr<FILE, int (*)(FILE*)> opened(fopen(file.c_str(), "ab"), fclose);
-  const bool is_written =
-      opened && fwrite(text.data(), 1, text.size(), opened.get()) == text.size();
-  CheckInput(is_written && fflush(opened.get()) == 0,
-             fmt::format("cannot write {}: {}; free some space and resume it", file.string(),
-                         strerror(errno)));
-}
-
 void Rename(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::rename(from, to, error);
@@ -86,6 +73,8 @@ PartialEstimates::PartialEstimates(const fs::path& folder, const std::string& na
 
 void PartialEstimates::Begin(const std::string& identity, bool resume) {
   identity_ = identity;
+  const bool has_lists = Exists(partial_csv_) || Exists(partial_images_csv_);
+  if (Exists(identity_file_) && !has_lists) RemoveIdentity();  // killed at the end of Finish()
   const bool is_interrupted = Exists(identity_file_);
   if (resume) {
     CheckInput(is_interrupted,
@@ -107,6 +96,11 @@ void PartialEstimates::Begin(const std::string& identity, bool resume) {
   }
 }
 
+void PartialEstimates::RemoveIdentity() {
+  std::error_code none;
+  fs::remove(identity_file_, none);
+}
+
 // The identity is written last, so that it never belongs to files of another run.
 void PartialEstimates::CreateFiles() {
   WriteFileAtomically(partial_csv_, WriteEstimates({}));
@@ -117,10 +111,10 @@ void PartialEstimates::CreateFiles() {
 
 // An image is finished if its line in the list of images is complete, which is written last.
 void PartialEstimates::Keep() {
-  // The earlier run ended in Finish().
-  if (!Exists(partial_csv_) && Exists(csv_)) Rename(csv_, partial_csv_);
+  // The earlier run ended in Finish(), or the file was removed.
+  const bool is_renamed = !Exists(partial_csv_) && Exists(csv_);
   const std::string images = ReadFileBytes(partial_images_csv_);
-  const std::string estimates = ReadFileBytes(partial_csv_);
+  const std::string estimates = ReadFileBytes(is_renamed ? csv_ : partial_csv_);
   const auto require = [&](bool fits) {
     CheckInput(fits, fmt::format("{} and {} do not fit each other; choose another results folder",
                                  partial_csv_.string(), partial_images_csv_.string()));
@@ -141,6 +135,11 @@ void PartialEstimates::Keep() {
     require(finished_.insert({image[0], image[1]}).second);
     poses_ += poses;
   }
+  if (is_renamed) {
+    // The results of an earlier run have estimates of other images, too.
+    require(next == ends.size());
+    Rename(csv_, partial_csv_);
+  }
   CutFile(partial_images_csv_, image_ends.back());
   CutFile(partial_csv_, ends[next - 1]);
   has_files_ = true;
@@ -149,9 +148,9 @@ void PartialEstimates::Keep() {
 void PartialEstimates::Add(const DatasetImageNote& note,
                            std::span<const DatasetEstimate> estimates) {
   if (!has_files_) CreateFiles();
-  AppendTo(partial_csv_, Lines(estimates));
+  AppendToFile(partial_csv_, Lines(estimates));
   const std::string text = DatasetImagesCsv({note});
-  AppendTo(partial_images_csv_, text.substr(text.find('\n') + 1));
+  AppendToFile(partial_images_csv_, text.substr(text.find('\n') + 1));
   finished_.insert({note.scene_id, note.image_id});
   poses_ += estimates.size();
 }
@@ -160,8 +159,7 @@ void PartialEstimates::Finish() {
   if (!has_files_) CreateFiles();
   Rename(partial_csv_, csv_);
   Rename(partial_images_csv_, images_csv_);
-  std::error_code none;
-  fs::remove(identity_file_, none);
+  RemoveIdentity();
 }
 
 }  // namespace pickbed::eval

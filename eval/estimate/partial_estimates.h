@@ -46,6 +46,7 @@ class PartialEstimates {
  private:
   void Keep();
   void CreateFiles();
+  void RemoveIdentity();
 
   std::filesystem::path csv_, images_csv_, partial_csv_, partial_images_csv_, identity_file_;
   std::set<ListedImage> finished_;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <set>
 
 #include "eval/bop/layout.h"
@@ -204,7 +203,6 @@ ExecutionReport ExecuteResults(const ScenarioSpec& spec, const ObjectSet& object
     if (known == rows.end() && image.requested > 0) plan.items.push_back(i);
   }
   progress.done = progress.done_before = progress.total - static_cast<int>(plan.items.size());
-  std::ofstream appended(file, std::ios::app);
   plan.start = [&](const WorkerPlan::Say& say) -> WorkerPlan::DoItem {
     auto executor =
         std::make_shared<ImageExecutor>(spec, objects, options.dataset, inputs.scenes,
@@ -222,11 +220,7 @@ ExecutionReport ExecuteResults(const ScenarioSpec& spec, const ObjectSet& object
   plan.on_done = [&](int i, const std::string& reply) {
     const ImageTask& image = inputs.images[i];
     auto& picks = rows[{image.scene_id, image.image_id}] = ReadPickRows(reply);
-    appended << reply << std::flush;
-    CheckInput(appended.good(),
-               fmt::format("{}: cannot be written; is the disk full? Finished images are kept, "
-                           "resume the execution later",
-                           file.string()));
+    AppendToFile(file, reply);
     ++progress.done;
     progress.outcomes.push_back(OutcomeOf(picks));
     if (listener.on_image) listener.on_image(progress);
@@ -234,7 +228,6 @@ ExecutionReport ExecuteResults(const ScenarioSpec& spec, const ObjectSet& object
   plan.on_warning = listener.on_warning;
   plan.stop = listener.stop;
   WorkReport work = RunInWorkers(plan);
-  appended.close();
 
   ExecutionReport report;
   for (const Method& method : inputs.methods) report.methods.push_back(method.name);

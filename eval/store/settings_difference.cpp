@@ -96,6 +96,8 @@ std::string HashedThing(const std::string& key) {
   if (key.starts_with("# program")) return "program of the estimator or planner";
   if (key.starts_with("# estimator")) return "program that answers for the estimator";
   if (key.starts_with("# images of the dataset")) return "list of the target images";
+  if (key.starts_with("# cameras of the dataset")) return "list of the cameras";
+  if (key.starts_with("# mask")) return "mask of the region of interest";
   if (key.starts_with("# meshes of the dataset")) return "meshes of the dataset";
   if (key.starts_with("# cell of the dataset")) return "bin of the dataset";
   if (key.starts_with("# planner")) return "program that answers for the planner";
@@ -109,8 +111,9 @@ std::string InWords(const std::string& key, const std::string& was, const std::s
                           : "this run has grasps of a caller, the stored one has none";
   }
   const std::string thing = HashedThing(key);
-  return thing.empty() ? fmt::format("{}: {} before, {} now", key, was, is)
-                       : thing + " has changed";
+  if (!thing.empty()) return thing + " has changed";
+  const std::string name = key.starts_with("# ") ? key.substr(2) : key;
+  return fmt::format("{}: {} before, {} now", name, was, is);
 }
 
 }  // namespace

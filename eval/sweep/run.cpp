@@ -148,6 +148,9 @@ std::string EstimatorFilesText(const ScenarioSpec& spec) {
   if (spec.estimator.name == kProcessName) {
     text += ProgramText(spec, "estimator", spec.estimator);
   }
+  if (ModelFileOf(spec.estimator.completion)) {
+    text += ModelText("completion of the estimator", TrainedFile(spec.estimator.completion_model));
+  }
   return text;
 }
 
@@ -195,9 +198,6 @@ std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
     text += ProgramText(spec, "planner", spec.planner);
   }
   text += ShapeModelsText(spec.planner, planner);
-  if (ModelFileOf(spec.estimator.completion)) {
-    text += ModelText("completion of the estimator", TrainedFile(spec.estimator.completion_model));
-  }
   text += ToleranceRankingText(spec);
   if (truth != OracleStages()) text += GroundTruthText(truth);
   return text;

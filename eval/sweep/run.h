@@ -69,8 +69,8 @@ void WriteRun(const ScenarioSpec& spec, const ObjectSet& objects,
 // Meshes of the objects and the bin count by content, not by path.
 std::string RunIdentity(const ScenarioSpec& spec, const ObjectSet& objects,
                         const OracleStages& truth = {});
-// Returns the part of this text about the files of the estimator: trained model, calibration and
-// program.
+// Returns the part of this text about the files of the estimator: trained model, calibration,
+// program and model of shape completion.
 std::string EstimatorFilesText(const ScenarioSpec& spec);
 // Returns the stages with ground truth substituted from such a text; none if it names none.
 OracleStages TruthIn(const std::string& identity);

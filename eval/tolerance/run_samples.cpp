@@ -153,7 +153,6 @@ StudyOutcomes ExecuteStudy(const ToleranceStudy& study, const std::filesystem::p
   const int before = static_cast<int>(
       std::count_if(known.begin(), known.end(), [](const auto& o) { return o.has_value(); }));
   int done = before;
-  std::ofstream out(file, std::ios::app);
   WorkerPlan plan;
   plan.jobs = jobs;
   for (size_t i = 0; i < chunks.size(); ++i) plan.items.push_back(static_cast<int>(i));
@@ -163,22 +162,18 @@ StudyOutcomes ExecuteStudy(const ToleranceStudy& study, const std::filesystem::p
   plan.on_done = [&](int, const std::string& reply) {
     std::istringstream lines(reply);
     int index = 0, success = 0;
-    std::string failure;
+    std::string failure, rows;
     while (lines >> index >> success >> failure) {
       known[index] = SampleOutcome{
           success == 1, FailureFromName(failure).value_or(FailureReason::kPhysicsFailed)};
-      out << Row(study, index, *known[index]);
+      rows += Row(study, index, *known[index]);
       ++done;
     }
-    out.flush();
-    CheckInput(out.good(), fmt::format("{}: cannot be written; is the disk full? Finished outcomes "
-                                       "are kept, resume the map later",
-                                       file.string()));
+    AppendToFile(file, rows);
     if (listener.on_progress) listener.on_progress(done, total, before);
   };
   plan.stop = listener.stop;
   WorkReport work = RunInWorkers(plan);
-  out.close();
 
   StudyOutcomes result;
   result.interrupted = work.stopped;

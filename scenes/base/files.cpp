@@ -45,6 +45,27 @@ const char* WhatToDo(int error) {
   return "";
 }
 
+[[noreturn]] void ThrowNotWritten(const fs::path& path) {
+  const int error = errno;
+  throw InputError("cannot write '" + path.string() + "': " + std::strerror(error) +
+                   WhatToDo(error));
+}
+
+void WriteAll(int descriptor, const std::string& bytes, const fs::path& path) {
+  size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t written = write(descriptor, bytes.data() + done, bytes.size() - done);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) ThrowNotWritten(path);
+    done += static_cast<size_t>(written);
+  }
+}
+
+// After it, a power loss takes nothing away.
+void Synchronize(int descriptor, const fs::path& path) {
+  if (fsync(descriptor) != 0 && errno != EINVAL) ThrowNotWritten(path);  // EINVAL: no disk file
+}
+
 // In the name of a temporary file, before the process id.
 constexpr std::string_view kTemporary = ".tmp-";
 
@@ -56,7 +77,7 @@ class TemporaryFile {
     static std::atomic<unsigned> counter{0};
     path_ = fmt::format("{}{}{}-{}", target.string(), kTemporary, getpid(), counter++);
     descriptor_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) Fail();
+    if (descriptor_ < 0) ThrowNotWritten(target_);
   }
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
@@ -66,30 +87,20 @@ class TemporaryFile {
   }
 
   void Write(const std::string& bytes) {
-    size_t done = 0;
-    while (done < bytes.size()) {
-      const ssize_t written = write(descriptor_, bytes.data() + done, bytes.size() - done);
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) Fail();
-      done += static_cast<size_t>(written);
-    }
-    if (fsync(descriptor_) != 0 && errno != EINVAL) Fail();  // EINVAL: not a disk file
+    WriteAll(descriptor_, bytes, target_);
+    Synchronize(descriptor_, target_);
   }
 
   void RenameToTarget() {
     const int descriptor = descriptor_;
     descriptor_ = -1;
-    if (close(descriptor) != 0 || rename(path_.c_str(), target_.c_str()) != 0) Fail();
+    if (close(descriptor) != 0 || rename(path_.c_str(), target_.c_str()) != 0) {
+      ThrowNotWritten(target_);
+    }
     path_.clear();
   }
 
  private:
-  [[noreturn]] void Fail() const {
-    const int error = errno;
-    throw InputError("cannot write '" + target_.string() + "': " + std::strerror(error) +
-                     WhatToDo(error));
-  }
-
   fs::path target_;
   fs::path path_;
   int descriptor_ = -1;
@@ -230,6 +241,20 @@ void WriteFileAtomically(const fs::path& path, const std::string& bytes) {
   TemporaryFile file(path);
   file.Write(bytes);
   file.RenameToTarget();
+}
+
+void AppendToFile(const fs::path& path, const std::string& bytes) {
+  const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (descriptor < 0) ThrowNotWritten(path);
+  try {
+    WriteAll(descriptor, bytes, path);
+    Synchronize(descriptor, path);
+  } catch (...) {
+    close(descriptor);
+    throw;
+  }
+  // A full disk may be reported only now.
+  if (close(descriptor) != 0) ThrowNotWritten(path);
 }
 
 }  // namespace pickbed::scenes

@@ -48,6 +48,9 @@ inline constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";
 // Writes bytes to `path` through a temporary file and an atomic rename. Throws InputError with the
 // path and the system's reason (no space left, no permission). The old file then stays unchanged.
 void WriteFileAtomically(const std::filesystem::path& path, const std::string& bytes);
+// Adds bytes to the end of a file, and creates it if needed. Throws as WriteFileAtomically(); a
+// part of the bytes may then be in the file.
+void AppendToFile(const std::filesystem::path& path, const std::string& bytes);
 
 // Name of the file whose lock belongs to the one process that may write in its folder.
 inline constexpr char kLockFile[] = "lock";

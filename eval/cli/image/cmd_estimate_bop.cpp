@@ -90,8 +90,9 @@ std::string IdentityOf(const BopArguments& bop, const ScenarioSpec& spec) {
   std::string text = WriteSettingsKey([&](SettingsVisitor& v) { copy.Visit(v); });
   text += EstimatorFilesText(spec);
   text += fmt::format("# task is {}\n# split is {}\n", bop.task, bop.split);
-  std::string images;
+  std::string images, cameras;
   for (const auto& [scene_id, targets] : TargetsOf(root, bop.split).scenes) {
+    cameras += ReadFileBytes(root / bop.split / SceneFolderName(scene_id) / kSceneCameraFile);
     for (const auto& [image_id, target] : targets) {
       images += fmt::format("image {} {}", scene_id, image_id);
       for (const auto& [object_id, count] : target.counts) {
@@ -100,6 +101,10 @@ std::string IdentityOf(const BopArguments& bop, const ScenarioSpec& spec) {
     }
   }
   text += fmt::format("# images of the dataset {}\n", HashOf(images));
+  text += fmt::format("# cameras of the dataset {}\n", HashOf(cameras));
+  if (!spec.roi.mask.empty()) {
+    text += fmt::format("# mask {}\n", HashOf(ReadFileBytes(spec.roi.mask)));
+  }
   text += fmt::format("# meshes of the dataset {}\n", HashOf(ModelsText(root / "models")));
   const std::filesystem::path cell = root / kDatasetScenarioFile;
   const bool has_cell = !bop.without_cell && Exists(cell);
@@ -134,6 +139,7 @@ void AddBopArguments(CLI::App& app, BopArguments& bop) {
 int ExplainBop(const BopArguments& bop, const ScenarioRequest& arguments,
                const std::vector<std::string>& estimators, const std::string& image,
                const std::string& out) {
+  CheckInput(!bop.resume, "--resume: a page of --explain shows one image; leave --resume out");
   ScenarioSpec spec = BopSettings(bop, arguments, kMinImageScore);
   spec.estimator = ExplainedEstimator(arguments, estimators, spec.estimator);
   const std::filesystem::path folder = BopFolder(bop, out, "-bop-explain");
@@ -173,8 +179,8 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
   DatasetEstimates result;
   const auto kept = [&]() -> std::string {
     if (files.finished().empty()) return "no image was processed";
-    return fmt::format("the estimates of {} of {} images are in {}; resume it",
-                       files.finished().size(), result.images, files.partial_csv().string());
+    return fmt::format("the estimates of {} of {} images are in {}", files.finished().size(),
+                       result.images, files.partial_csv().string());
   };
   try {
     ProgressLine progress;
@@ -195,13 +201,14 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
         });
   } catch (const InputError& error) {
     if (files.finished().empty()) throw;
-    throw InputError(fmt::format("{}; {}", error.what(), kept()));
+    throw InputError(fmt::format("{}; {}; resume it", error.what(), kept()));
   } catch (const std::exception&) {
-    if (!files.finished().empty()) fmt::print(stderr, "{}\n", kept());
+    if (!files.finished().empty()) fmt::print(stderr, "pickbed: {}\n", kept());
     throw;
   }
   if (result.done < result.images && Interrupted()) {
-    fmt::print(stderr, "pickbed: interrupted; {}\n", kept());
+    fmt::print(stderr, "pickbed: interrupted; {}{}\n", kept(),
+               files.finished().empty() ? "" : "; resume it (--resume)");
     return kExitInterrupted;
   }
   files.Finish();

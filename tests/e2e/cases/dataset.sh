@@ -87,7 +87,8 @@ def mine(frame):
         open("set/test/000001/depth/00000%s.png" % open("break").read(), "w").close()
     if os.path.exists("stop"):
         os.kill(os.getppid(), signal.SIGTERM)
-    return [pb.Pose(frame.setup.objects[0].name, np.eye(3), [0, 0, 0.8], 0.9)]
+    name = "stranger" if os.path.exists("stranger") else frame.setup.objects[0].name
+    return [pb.Pose(name, np.eye(3), [0, 0, 0.8], 0.9)]
 pb.serve()
 PY
   local estimate=("$pickbed" estimate --bop set --set estimator.name=process --set "estimator.command=python3 estimator.py" --out poses)
@@ -101,7 +102,7 @@ PY
 
   touch stop
   expect 130 "${estimate[@]}"
-  [ "$(grep '^pickbed: ' last.err)" = "pickbed: interrupted; the estimates of 1 of 3 images are in $partial; resume it" ] ||
+  [ "$(grep '^pickbed: ' last.err)" = "pickbed: interrupted; the estimates of 1 of 3 images are in $partial; resume it (--resume)" ] ||
     fail "an interrupt does not name the partial results"
   [ "$(wc -l <$partial)" = 2 ] || fail "not the poses of the first image"
   [ "$(wc -l <"${partial%.csv}.images.csv")" = 2 ] || fail "not a list of the first image"
@@ -109,6 +110,20 @@ PY
 
   refused "$partial has the estimates of an interrupted run (images: 1); resume it (--resume)" "${estimate[@]}"
   refused "(seed: 0 before, 5 now)" "${estimate[@]}" --resume --set seed=5
+  refused "(task: localisation before, detection now)" "${estimate[@]}" --resume --task detection
+  refused "leave --resume out" "${estimate[@]}" --resume --explain 0
+  # A wrong answer ends the work only in the first image, where it is a fault of the program.
+  cp -r poses interrupted
+  touch stranger
+  expect 0 "${estimate[@]}" --resume
+  [ "$(cut -d, -f3 poses/process_set-test.images.csv | tr '\n' ' ')" = "poses 1 0 0 " ] || fail "the first resumed image was taken as the first one"
+  rm -r stranger poses
+  mv interrupted poses
+  cp set/test/000001/scene_camera.json sound
+  sed -i 's/"cam_K": *\[/&1/' set/test/000001/scene_camera.json
+  refused "(list of the cameras has changed)" "${estimate[@]}" --resume
+  cp sound/scene_camera.json set/test/000001
+  rm sound/scene_camera.json
   # Lines of the image in which a killed process was.
   printf '1,1,1,0.9,1 0 0 0 1 0 0 0 1,0 0 8' >>$partial
   printf 2 >break

@@ -94,6 +94,29 @@ TEST_F(PartialEstimatesTest, ARunThatEndedBetweenTheRenamesIsComplete) {
   EXPECT_FALSE(fs::exists(Named(".partial.yaml")));
 }
 
+TEST_F(PartialEstimatesTest, TheResultsOfAnEarlierRunAreNotTaken) {
+  PartialEstimates complete = Begun(false);
+  AddImages(complete, 1, 4);
+  complete.Finish();
+  PartialEstimates stopped = Begun(false);
+  AddImages(stopped, 1, 3);
+  fs::remove(Named(".partial.csv"));
+  const std::string csv = ReadFileBytes(Named(".csv"));
+  EXPECT_THAT(ErrorOf([&] { Begun(true); }), HasSubstr("do not fit each other"));
+  EXPECT_EQ(ReadFileBytes(Named(".csv")), csv);
+}
+
+TEST_F(PartialEstimatesTest, ARunThatEndedAfterTheRenamesIsNotInterrupted) {
+  PartialEstimates complete = Begun(false);
+  AddImages(complete, 0, 3);
+  complete.Finish();
+  const std::string csv = ReadFileBytes(Named(".csv"));
+  WriteFileAtomically(Named(".partial.yaml"), kIdentity);
+  EXPECT_THAT(ErrorOf([&] { Begun(true); }), HasSubstr("no " + Named(".partial.yaml").string()));
+  EXPECT_FALSE(fs::exists(Named(".partial.yaml")));
+  EXPECT_EQ(ReadFileBytes(Named(".csv")), csv);
+}
+
 TEST_F(PartialEstimatesTest, ABegunRunWritesNothingBeforeItsFirstImage) {
   PartialEstimates files = Begun(false);
   EXPECT_TRUE(fs::is_empty(folder_.path()));

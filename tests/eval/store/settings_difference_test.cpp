@@ -61,6 +61,12 @@ TEST(SettingsDifferences, HashesAreNamedByWhatTheyDescribe) {
               ElementsAre("model of shape completion has changed"));
   EXPECT_THAT(difference("# program 01\n", "# program 02\n"),
               ElementsAre("program of the estimator or planner has changed"));
+  EXPECT_THAT(difference("# cameras of the dataset 01\n", "# cameras of the dataset 02\n"),
+              ElementsAre("list of the cameras has changed"));
+  EXPECT_THAT(difference("# mask 01\n", "# mask 02\n"),
+              ElementsAre("mask of the region of interest has changed"));
+  EXPECT_THAT(difference("# task is detection\n", "# task is localisation\n"),
+              ElementsAre("task: detection before, localisation now"));
   EXPECT_THAT(difference("# planner 'mine' version '1'\n", "# planner 'mine' version '2'\n"),
               ElementsAre("program that answers for the planner has changed"));
 }

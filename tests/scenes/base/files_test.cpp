@@ -79,6 +79,17 @@ TEST(WriteFileAtomically, FailsWithPathAndReasonAndLeavesNoFile) {
   EXPECT_EQ(FilesIn(folder.path()), 1);
 }
 
+TEST(AppendToFile, AddsToTheEndAndNamesTheReasonOfAFailure) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "list.csv";
+  AppendToFile(file, "a\n");
+  AppendToFile(file, "b\n");
+  EXPECT_EQ(ReadFileBytes(file), "a\nb\n");
+  EXPECT_THAT(InputErrorOf([] { AppendToFile("/dev/full", "a"); }), HasSubstr("make room"));
+  EXPECT_THAT(InputErrorOf([&] { AppendToFile(folder.path() / "no" / "list.csv", "a"); }),
+              HasSubstr("choose another folder"));
+}
+
 TEST(ReadFileBytes, FailsWithPathAndReason) {
   const TemporaryFolder folder;
   EXPECT_THAT(InputErrorOf([&] { ReadFileBytes(folder.path() / "none.txt"); }),
