@@ -127,10 +127,13 @@ void TakeMatrix(const std::vector<double>& k, const std::string& name, GivenIntr
 // Without these keys, a wrong scale of the depth, the size of another image or a distortion would
 // not be noticed.
 void RequireSoundKeys(const SettingsTree& map, const std::string& name) {
+  const auto has = [&](const char* key) {
+    return std::ranges::any_of(map.items, [&](const auto& item) { return item.key == key; });
+  };
   for (const SettingsTree& item : map.items) {
     for (const char* key : {"depth_scale", "width", "height", "image_width", "image_height",
                             "distortion_coefficients", "dist_coeffs"}) {
-      CheckInput(!IsDamagedKey(item.key, key),
+      CheckInput(!IsDamagedKey(item.key, key) || has(key),
                  fmt::format("{}: has the unknown key '{}'; did you mean {}?", name,
                              OneLine(item.key), key));
     }

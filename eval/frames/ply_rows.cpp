@@ -194,6 +194,13 @@ PlyRows ReadPlyRows(const std::string& bytes, const std::string& name) {
                              name, element.name));
       if (is_vertex) ply.columns.push_back({property.name, IsFloat(property.type), {}});
     }
+    const auto size_from = [&](double value) {
+      constexpr double kLargest = 1e6;
+      CheckInput(value >= 0 && value <= kLargest && value == std::floor(value),
+                 fmt::format("{}: the camera has a viewport of {:g} points; get the file again",
+                             name, value));
+      return static_cast<int>(value);
+    };
     // A damaged count must not reserve memory.
     CheckInput(element.count <= bytes.size(),
                name + ": the PLY file is too short or damaged; get it again");
@@ -202,10 +209,10 @@ PlyRows ReadPlyRows(const std::string& bytes, const std::string& name) {
         const double value = numbers.Next(element.properties[i].type);
         if (is_vertex) ply.columns[i].values.push_back(value);
         if (is_camera && element.properties[i].name == "viewportx") {
-          ply.width = static_cast<int>(value);
+          ply.width = size_from(value);
         }
         if (is_camera && element.properties[i].name == "viewporty") {
-          ply.height = static_cast<int>(value);
+          ply.height = size_from(value);
         }
       }
     }

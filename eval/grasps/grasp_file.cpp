@@ -41,9 +41,10 @@ double NumberIn(const std::string& cell, const std::string& column, const std::s
   CheckInput(error == std::errc() && end == cell.data() + cell.size() && std::isfinite(value),
              fmt::format("{}: {} = '{}': must be a finite number", place, column, cell));
   constexpr double kSmallest = 1e-100;  // rounding of a zero gives larger numbers
-  CheckInput(value == 0 || std::abs(value) > kSmallest,
-             fmt::format("{}: {} = '{}': is too small for a length or a share; get the file again",
-                         place, column, cell));
+  CheckInput(
+      value == 0 || std::abs(value) > kSmallest || column == "confidence" || column == "robust",
+      fmt::format("{}: {} = '{}': is too small for a length or a share; get the file again", place,
+                  column, cell));
   return value;
 }
 

@@ -43,7 +43,7 @@ double NumberOf(const SettingsTree& item, const std::string& what) {
                  end == text.data() + text.size() && std::isfinite(value),
              fmt::format("{}: {} = {}: must be a finite number", item.place, what, item.text));
   constexpr double kSmallest = 1e-100;  // rounding of a zero gives larger numbers
-  CheckInput(value == 0 || std::abs(value) > kSmallest,
+  CheckInput(value == 0 || std::abs(value) > kSmallest || what == "confidence",
              fmt::format("{}: {} = {}: is too small for a length or an angle; get the file again",
                          item.place, what, item.text));
   return value;

@@ -85,13 +85,16 @@ std::vector<std::string> NeedsIn(const MessageValue& hello) {
   return needs;
 }
 
-// A plug-in with a misspelled key would run without the inputs that it needs. It may have keys of
-// its own.
+// A plug-in with a misspelled key would run without the inputs that it needs. It may have other
+// keys of its own.
 void RequireSoundKeys(const MessageValue& hello) {
   if (hello.map() == nullptr) return;
+  const auto may_be = [](const std::string& known, const MessageValue& value) {
+    return (known != "roles" && known != "needs") || value.list() != nullptr;
+  };
   for (const auto& [key, value] : *hello.map()) {
     for (const char* known : {"protocol", "name", "version", "roles", "needs"}) {
-      if (IsDamagedKey(key, known)) {
+      if (IsDamagedKey(key, known) && hello.Find(known) == nullptr && may_be(known, value)) {
         throw MessageError(
             fmt::format("it has the unknown key '{}'; did you mean {}?", OneLine(key), known));
       }

@@ -1,5 +1,6 @@
 #include "eval/frames/cloud_file.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -81,11 +82,14 @@ TEST(CloudFile, CameraElementOfPclGivesTheSize) {
   bytes.insert(at,
                "element camera 1\nproperty float view_px\nproperty int viewportx\n"
                "property int viewporty\n");
-  bytes += "0 8 6\n";
-  const PlyRows rows = ReadPlyRows(bytes, "pcl.ply");
+  const PlyRows rows = ReadPlyRows(bytes + "0 8 6\n", "pcl.ply");
   EXPECT_EQ(rows.width, 8);
   EXPECT_EQ(rows.height, 6);
   EXPECT_EQ(rows.rows, 48u);
+  for (const char* size : {"-8 6", "8 2000000"}) {
+    EXPECT_THAT(ErrorOf([&] { ReadPlyRows(fmt::format("{}0 {}\n", bytes, size), "pcl.ply"); }),
+                HasSubstr("pcl.ply: the camera has a viewport of"));
+  }
 }
 
 TEST(CloudFile, TheImageGivesTheSizeThatTheFileDoesNotHave) {

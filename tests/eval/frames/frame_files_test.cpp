@@ -20,6 +20,8 @@ TEST(ReadIntrinsics, UnderstandsTheFilesOfUsualPrograms) {
   const std::vector<std::string> same{
       R"({"cx": 3, "cy": 4, "depth_scale": 0.1, "fx": 10, "fy": 11, "height": 8, "width": 6})",
       R"({"cam_K": [10, 0, 3, 0, 11, 4, 0, 0, 1], "depth_scale": 0.1})",
+      // A key of its own beside the one that it resembles.
+      R"({"fx": 10, "fy": 11, "cx": 3, "cy": 4, "height": 8, "width": 6, "Width": 7, "weight": 5})",
       R"({"width": 6, "height": 8, "intrinsic_matrix": [10, 0, 0, 0, 11, 0, 3, 4, 1]})",
       R"({"fx": 10, "fy": 11, "ppx": 3, "ppy": 4, "coeffs": [0, 0, 0, 0, 0], "depth_scale": 0.0001})",
       "image_width: 6\nimage_height: 8\ncamera_matrix:\n  rows: 3\n  cols: 3\n"
@@ -53,6 +55,8 @@ TEST(ReadIntrinsics, RefusesOtherTextsAndOtherImages) {
             "intrinsics 615,615,nan,240: give four finite numbers FX,FY,CX,CY in px");
   EXPECT_THAT(ErrorOf([] { ReadIntrinsics("nowhere.json"); }), HasSubstr("nowhere.json"));
   EXPECT_THAT(error(R"({"fx": 10})"), HasSubstr("no camera matrix"));
+  EXPECT_THAT(error(R"({"fx": 10, "fy": 11, "cx": 3, "cy": 4, "depth_scal3": 2})"),
+              HasSubstr("unknown key 'depth_scal3'; did you mean depth_scale?"));
   EXPECT_THAT(error(R"({"0": {"cam_K": [10, 0, 3, 0, 11, 4, 0, 0, 1]}})"),
               HasSubstr("several images"));
   EXPECT_THAT(error(R"({"K": [10, 5, 3, 0, 11, 4, 0, 0, 1]})"), HasSubstr("fx 0 cx"));

@@ -111,6 +111,19 @@ TEST(GraspFile, ASuctionCupHasNoJoints) {
   EXPECT_FALSE(ReadIsaacGrasps(text, "cup.yaml").grasps.at(0).width_m);
 }
 
+// A confidence can be a product of many chances.
+TEST(GraspFile, OnlyAConfidenceMayBeTiny) {
+  const auto with = [](const std::string& was, const std::string& is) {
+    std::string text = kPandaFile;
+    return text.replace(text.find(was), was.size(), is);
+  };
+  const std::string tiny = with("confidence: 0.75", "confidence: 1e-120");
+  EXPECT_EQ(ReadIsaacGrasps(tiny, "mug.yaml").grasps.at(0).confidence, 1e-120);
+  EXPECT_THAT(
+      ErrorOf([&] { ReadIsaacGrasps(with("[0, 0, 0.1634]", "[0, 0, 1e-120]"), "mug.yaml"); }),
+      HasSubstr("position = 1e-120: is too small"));
+}
+
 // Each fault is one line with the file and the place.
 TEST(GraspFile, DamagedYamlIsNamed) {
   const auto error_of = [](const std::string& was, const std::string& is) {

@@ -179,8 +179,18 @@ TEST_F(PluginClientTest, AnUnknownNeedIsRefusedWithTheKnownOnes) {
               HasSubstr("gave a wrong answer to hello: unknown word in needs: 'depths'; known: "
                         "color, bin, counts"));
   EXPECT_THAT(StartError(hello("['colour']")), HasSubstr("did you mean 'color'?"));
+  EXPECT_THAT(StartError(RawPlugin("    if v == 'hello': a['ne3ds'] = ['color']")),
+              HasSubstr("unknown key 'ne3ds'; did you mean needs?"));
   PluginClient client(Address(hello("['counts', 'bin', 'color']")), "estimator", EmptySetup);
   EXPECT_THAT(client.identity().needs, ElementsAre("counts", "bin", "color"));
+}
+
+// The protocol says that other keys are ignored.
+TEST_F(PluginClientTest, KeysThatResembleKnownOnesAreAccepted) {
+  const std::string body =
+      "    if v == 'hello': a.update({'seeds': 3, 'rules': ['a'], 'game': ''})";
+  PluginClient client(Address(RawPlugin(body)), "estimator", EmptySetup);
+  EXPECT_THAT(client.identity().needs, ElementsAre());
 }
 
 TEST_F(PluginClientTest, TheStartHasALimitOfItsOwn) {
