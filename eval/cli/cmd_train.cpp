@@ -127,7 +127,7 @@ void AddTrainArguments(CLI::App& app, TrainArguments& arguments,
   app.footer("Training settings and their defaults:\n" +
              WriteSettings([&](SettingsVisitor& v) { defaults.Visit(v); }, true) +
              "\n`pickbed train completion --help` shows the training of shape completion. `pickbed "
-             "train verifier --help` shows the training of a verifier that objects share."
+             "train verifier --help` shows the training of a verifier on many objects."
              "\nExample: pickbed train rod elbow --minutes 5 --set network.descriptor=64\n"
              "         pickbed train kehl --objects bracket");
 }

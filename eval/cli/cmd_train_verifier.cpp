@@ -83,8 +83,9 @@ int Train(const TrainVerifierArguments& arguments) {
 
 int TrainVerifierCommand(int argc, char** argv) {
   CLI::App app(
-      "Trains the verifier network for unknown backgrounds that all objects share, on the "
-      "candidates of a descriptor model in simulated rooms. It takes some minutes per object. "
+      "Trains a verifier network for unknown backgrounds on many objects: on the candidates of a "
+      "descriptor model in simulated rooms. With shared_verifier, it gives half of the logit of "
+      "an object that is trained later. It takes some minutes per object. "
       "Ctrl-C keeps the finished objects; --resume continues.",
       "pickbed train verifier");
   TrainVerifierArguments arguments;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "perception/networks/tensor_file.h"
 #include "scenes/base/error.h"
 #include "scenes/base/files.h"
@@ -111,9 +113,29 @@ void AppendNetwork(const VerifierNetwork& network, std::vector<float>& values) {
   values.push_back(network.b2);
 }
 
-void AppendVerifier(const Verifier& verifier, std::vector<float>& values) {
-  AppendNetwork(verifier.known, values);
-  AppendNetwork(verifier.unknown, values);
+Eigen::Index UnitsOf(const std::vector<Verifier>& verifiers) {
+  Eigen::Index units = 0;
+  for (const Verifier& verifier : verifiers) {
+    units = std::max({units, verifier.known.b1.size(), verifier.unknown.b1.size()});
+  }
+  return units;
+}
+
+// Adds hidden units without an effect.
+VerifierNetwork WithUnits(VerifierNetwork network, Eigen::Index units) {
+  const Eigen::Index added = units - network.b1.size();
+  network.w1.conservativeResize(units, Eigen::NoChange);
+  network.w1.bottomRows(added).setZero();
+  network.b1.conservativeResize(units);
+  network.b1.tail(added).setZero();
+  network.w2.conservativeResize(units);
+  network.w2.tail(added).setZero();
+  return network;
+}
+
+void AppendVerifier(const Verifier& verifier, Eigen::Index units, std::vector<float>& values) {
+  AppendNetwork(WithUnits(verifier.known, units), values);
+  AppendNetwork(WithUnits(verifier.unknown, units), values);
   for (const auto& by_mode : verifier.calibrations) {
     for (const Calibration& calibration : by_mode) {
       values.insert(values.end(), {calibration.scale, calibration.shift});
@@ -145,7 +167,8 @@ VerifierNetwork NetworkFrom(const float*& next, int features, Eigen::Index hidde
 
 std::vector<float> VerifierValues(const std::vector<Verifier>& verifiers) {
   std::vector<float> values;
-  for (const Verifier& verifier : verifiers) AppendVerifier(verifier, values);
+  const Eigen::Index units = UnitsOf(verifiers);
+  for (const Verifier& verifier : verifiers) AppendVerifier(verifier, units, values);
   return values;
 }
 

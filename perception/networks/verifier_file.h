@@ -36,7 +36,8 @@ void SaveVerifiers(const std::filesystem::path& file, const VerifierFile& conten
 // version, or made for another estimator.
 VerifierFile LoadVerifiers(const std::filesystem::path& file, const std::string& estimator);
 
-// Returns the verifiers as plain numbers, one after the other, as stored in model files.
+// Returns the verifiers as plain numbers, one after the other, as stored in model files. All get as
+// many hidden units as the largest network.
 std::vector<float> VerifierValues(const std::vector<Verifier>& verifiers);
 
 // Shape of stored verifiers: the number of leading features that they use, the number of

@@ -1,12 +1,10 @@
 #pragma once
 
-// Trains the verifier network for unknown backgrounds that all objects share. The features of a
-// pose (pose_features.h) are shares, angles and multiples of the diameter, so they mean the same
-// for every object. A dozen rooms show an object in about a hundred right poses, too few for a
-// network of its own. On candidates of mode fast in other rooms, the log loss of the twelve shipped
-// objects was 753 with one network each, 602 with a shared one, and 685 with one that had not seen
-// the object. `pickbed benchmark rooms` does not confirm this: the scores are better calibrated,
-// but more poses are wrong. So the shipped model does not use it.
+// Trains a verifier network for unknown backgrounds on many objects. The features of a pose
+// (pose_features.h) are shares, angles and multiples of the diameter, so they mean the same for
+// every object. A dozen rooms show an object in about a hundred right poses, too few for a good
+// network of its own. So this network may give half of the logit of an object that is trained later
+// (VerifierTrainingOptions::shared_network). docs/pages/benchmarks_rooms.md has measurements.
 
 #include <filesystem>
 #include <functional>

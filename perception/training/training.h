@@ -45,8 +45,8 @@ struct TrainingOptions {
   // initial model for known backgrounds.
   int verifier_clutter_scenes = 24;
   int verifier_room_scenes = 32;  // rooms per object for its verifier; every second has no object
-  // File of the network for unknown backgrounds that all objects share (shared_verifier.h), or
-  // "none" = one is trained for each object.
+  // File of a network for unknown backgrounds that gives half of the logit (shared_verifier.h), or
+  // "none".
   std::string shared_verifier = "none";
   // The network of `start_from` is kept as it is, and the verifiers of all objects are trained
   // anew.

@@ -38,9 +38,10 @@ void TrainingOptions::Visit(SettingsVisitor& v) {
   v.Integer("verifier_room_scenes", verifier_room_scenes, {0, 100000},
             "number of rooms per object for its verifier, of which every second has no object; 0 = "
             "no verifier for unknown backgrounds");
-  v.Text("shared_verifier", shared_verifier, {},
-         "network for unknown backgrounds that all objects share, made by `pickbed train "
-         "verifier`: a file, or none = each object has its own");
+  v.Text(
+      "shared_verifier", shared_verifier, {},
+      "network for unknown backgrounds, made by `pickbed train verifier` from many objects, that "
+      "gives half of the logit of each object: a file, or none");
   v.Integer("verifier_entries", verifier_entries, {1, 10000000},
             "number of codebook entries per object while its verifier is trained");
   v.Integer("checkpoint_every", checkpoint_every, {1, 1000000},
@@ -76,11 +77,6 @@ VerifierTrainingOptions VerifierOptionsOf(const TrainingOptions& options) {
   verifier.verifier = options.verifier;
   if (options.shared_verifier != kNoSharedVerifier) {
     verifier.shared_network = LoadSharedVerifier(TrainedFile(options.shared_verifier));
-    const auto hidden = static_cast<int>(verifier.shared_network->b1.size());
-    CheckInput(hidden == options.verifier.hidden,
-               fmt::format("shared_verifier={}: it has {} hidden units, but verifier.hidden is {}; "
-                           "set verifier.hidden={} or shared_verifier=none",
-                           options.shared_verifier, hidden, options.verifier.hidden, hidden));
   }
   return verifier;
 }

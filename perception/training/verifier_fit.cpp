@@ -108,6 +108,21 @@ TrainedNetwork TrainVerifier(const VerifierExamples& examples, const VerifierOpt
   return trained;
 }
 
+VerifierNetwork MeanNetwork(const VerifierNetwork& a, const VerifierNetwork& b) {
+  // The units of both on the standardised inputs of `a`:
+  // (f - mean_b) / scale_b = ((f - mean_a) / scale_a) * scale_a / scale_b + (mean_a - mean_b) /
+  // scale_b
+  const Eigen::Index units_a = a.b1.size(), units_b = b.b1.size();
+  VerifierNetwork mean{a.mean, a.scale, {}, {}, {}, 0.5f * (a.b2 + b.b2)};
+  mean.w1.resize(units_a + units_b, a.w1.cols());
+  mean.w1 << a.w1, b.w1 * a.scale.cwiseQuotient(b.scale).asDiagonal();
+  mean.b1.resize(units_a + units_b);
+  mean.b1 << a.b1, b.b1 + b.w1 * (a.mean - b.mean).cwiseQuotient(b.scale);
+  mean.w2.resize(units_a + units_b);
+  mean.w2 << 0.5f * a.w2, 0.5f * b.w2;
+  return mean;
+}
+
 double AreaUnderRoc(const std::vector<double>& scores, const std::vector<uint8_t>& right) {
   std::vector<size_t> order(scores.size());
   std::iota(order.begin(), order.end(), size_t{0});

@@ -47,6 +47,9 @@ struct TrainedVerifier {
 TrainedNetwork TrainVerifier(const VerifierExamples& examples, const VerifierOptions& options,
                              uint64_t seed);
 
+// Returns the network whose logit is the mean of the logits of two networks.
+VerifierNetwork MeanNetwork(const VerifierNetwork& a, const VerifierNetwork& b);
+
 // Returns the probability that a right example scores above a wrong one; ties count half. It is 0.5
 // if there are no right or no wrong examples.
 double AreaUnderRoc(const std::vector<double>& scores, const std::vector<uint8_t>& right);

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "perception/candidates/pose_selection.h"
+#include "perception/training/logit_calibration.h"
 #include "scenes/base/error.h"
 
 namespace pickbed::perception {
@@ -75,40 +76,6 @@ void VerifierTrainingOptions::Visit(SettingsVisitor& v) {
          "share of the views, at their end, that is used for calibration");
   v.Group(
       "verifier", [&](SettingsVisitor& g) { verifier.Visit(g); }, "fit of the verifier");
-}
-
-Calibration Calibrate(const std::vector<ScoredPose>& poses) {
-  constexpr double kPrior = 2;  // strength of the prior towards scale 1, shift 0, in poses
-  constexpr int kSteps = 30;
-  constexpr double kMinScale = 0.2;   // positive, so that the order of scores is kept
-  const Eigen::Vector2d start(1, 0);  // scale, shift
-  const auto loss = [&](const Eigen::Vector2d& x) {
-    double sum = 0.5 * kPrior * (x - start).squaredNorm();
-    for (const ScoredPose& pose : poses) {
-      const double z = (pose.right ? -1 : 1) * (x[0] * pose.logit + x[1]);
-      sum += std::max(z, 0.0) + std::log1p(std::exp(-std::abs(z)));
-    }
-    return sum;
-  };
-  Eigen::Vector2d x = start;
-  for (int step = 0; step < kSteps; ++step) {
-    Eigen::Vector2d gradient = kPrior * (x - start);
-    Eigen::Matrix2d hessian = kPrior * Eigen::Matrix2d::Identity();
-    for (const ScoredPose& pose : poses) {
-      const Eigen::Vector2d input(pose.logit, 1);
-      const double p = 1 / (1 + std::exp(-x.dot(input)));
-      gradient += (p - pose.right) * input;
-      hessian += p * (1 - p) * input * input.transpose();
-    }
-    // If the logits are nearly equal, full Newton steps overshoot.
-    const Eigen::Vector2d full = hessian.ldlt().solve(gradient);
-    const double before = loss(x);
-    double share = 1;
-    while (share > 1e-6 && loss(x - share * full) > before) share *= 0.5;
-    x -= share * full;
-    x[0] = std::max(x[0], kMinScale);
-  }
-  return {static_cast<float>(x[0]), static_cast<float>(x[1])};
 }
 
 namespace {
@@ -249,7 +216,8 @@ class NetworkTrainer {
 
   // Trains the network for unknown backgrounds on all views and calibrates it, also on all views:
   // the scores of a scene come from a network that did not learn from this scene (cross-fitting).
-  // There are too few rooms to hold some of them out. A given network is only calibrated.
+  // There are too few rooms to hold some of them out. A given network takes part with half of the
+  // logit, or with all of it if no candidate is right.
   void TrainUnknown(Verifier& verifier) const;
 
  private:
@@ -270,6 +238,9 @@ class NetworkTrainer {
   void CalibrateScores(const Reported& reported, Verifier& verifier) const;
 
   size_t FoldOf(size_t view) const;
+
+  // Trains a network for unknown backgrounds, and lets the given one take part.
+  VerifierNetwork NetworkFor(const VerifierExamples& examples) const;
 
   // Examples of the views that are not in a fold.
   VerifierExamples ExamplesWithout(size_t fold) const;
@@ -364,7 +335,7 @@ TrainedNetwork NetworkTrainer::TrainKnown(Verifier& verifier) const {
 void NetworkTrainer::TrainUnknown(Verifier& verifier) const {
   for (size_t kind = 1; kind < kBackgroundKinds; ++kind) verifier.calibrations[kind] = {};
   Reported reported;
-  if (options_.shared_network) {
+  if (!HasRight()) {
     verifier.unknown = *options_.shared_network;
     for (const SearchedView& searched : searched_) Report(verifier, searched, reported);
     return CalibrateScores(reported, verifier);
@@ -374,13 +345,18 @@ void NetworkTrainer::TrainUnknown(Verifier& verifier) const {
     const auto right = std::ranges::count(others.right, 1);
     if (right == 0 || right == static_cast<std::ptrdiff_t>(others.right.size())) continue;
     Verifier without = verifier;
-    without.unknown = TrainVerifier(others, options_.verifier, options_.seed).network;
+    without.unknown = NetworkFor(others);
     for (const SearchedView& searched : searched_) {
       if (FoldOf(searched.view) == fold) Report(without, searched, reported);
     }
   }
-  verifier.unknown = TrainVerifier(examples_, options_.verifier, options_.seed).network;
+  verifier.unknown = NetworkFor(examples_);
   CalibrateScores(reported, verifier);
+}
+
+VerifierNetwork NetworkTrainer::NetworkFor(const VerifierExamples& examples) const {
+  VerifierNetwork own = TrainVerifier(examples, options_.verifier, options_.seed).network;
+  return options_.shared_network ? MeanNetwork(own, *options_.shared_network) : own;
 }
 
 // A room is in one fold with the empty room that follows. So a training that ran out of time after
@@ -453,7 +429,7 @@ TrainedVerifier TrainObjectVerifier(const VerifierTrainingSet& training_set, Obj
     }
     const TrainingTime fit_began = end ? options.deadlines->now() : TrainingTime();
     trained.auc = known.TrainKnown(trained.verifier).auc;
-    if (end && !options.shared_network) {
+    if (end) {
       // The fits for unknown backgrounds, one per fold and one for all, take about as long each.
       const double fit_s = SecondsBetween(fit_began, options.deadlines->now());
       end = Later(*end, -fit_s * static_cast<double>(kFolds + 1));

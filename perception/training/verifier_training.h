@@ -8,8 +8,8 @@
 // logistic calibration (Platt 1999). For known backgrounds these are views that were held out, for
 // unknown ones the scores are cross-fitted.
 //
-// The network for unknown backgrounds can also be given. One that many objects share has seen more
-// rooms than the rooms of one object (shared_verifier.h). Then only its calibration is trained.
+// A network for unknown backgrounds that has learned from the rooms of many objects can be given
+// (shared_verifier.h). Then the logit is the mean of the logits of this one and the object's own.
 
 #include <functional>
 #include <optional>
@@ -46,7 +46,7 @@ struct VerifierTrainingOptions {
   int entries = 24000;                              // codebook entries of the object
   std::vector<CandidateOptions> candidates{{}};     // one per mode
   std::optional<VerifierDeadlines> deadlines = {};  // none = no time limit
-  // Network for unknown backgrounds; none = one is trained for the object.
+  // Network for unknown backgrounds that takes part in the one of the object; may be none.
   std::optional<VerifierNetwork> shared_network = {};
   void Visit(SettingsVisitor& v);  // all except the last four
 };
@@ -106,14 +106,5 @@ VerifierExamples RoomExamples(const VerifierTrainingSet& training_set,
                               const std::shared_ptr<const ObjectModel>& model,
                               const VerifierObject& wanted, const VerifierTrainingOptions& options,
                               const std::function<bool(double share)>& on_share);
-
-// Score of a reported pose, and whether the pose is right.
-struct ScoredPose {
-  double logit = 0;
-  bool right = false;
-};
-// Returns the calibration that maps scores of an uncalibrated verifier to the shares of right
-// poses. A prior towards the identity limits the change if there are few poses.
-Calibration Calibrate(const std::vector<ScoredPose>& poses);
 
 }  // namespace pickbed::perception

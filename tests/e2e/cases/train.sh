@@ -46,7 +46,7 @@ training_resumes_after_an_interrupt() {
   [ ! -e both.net.checkpoint ] || fail "the checkpoint of a finished training is left over"
   expect 0 "$pickbed" estimate small.yaml --out look --set "estimator.model=$work/both.net"
 
-  # The network for unknown backgrounds that both objects share.
+  # A network for unknown backgrounds from both objects.
   expect 0 "$pickbed" train verifier --from both.net "${quick[@]}" --out whole.net
   "$pickbed" train verifier --from both.net "${quick[@]}" --out rooms.net 2>stopped.err >/dev/null &
   pid=$!

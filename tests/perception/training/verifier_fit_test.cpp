@@ -84,5 +84,25 @@ TEST(TrainVerifier, HiddenUnitsThatCannotBeSharedEquallyAreAllUsed) {
   EXPECT_EQ(TrainVerifier(NoisyExamples(), options, 0).network.w1.rows(), 7);
 }
 
+TEST(MeanNetwork, HasTheMeanOfBothLogits) {
+  const VerifierExamples examples = NoisyExamples();
+  VerifierOptions options;
+  options.iterations = 50;
+  options.hidden = 7;
+  const VerifierNetwork a = TrainVerifier(examples, options, 0).network;
+  VerifierExamples shifted = examples;  // so that the standardisations differ
+  for (VerifyFeatures& features : shifted.features) {
+    for (float& feature : features) feature = 3 * feature + 1;
+  }
+  options.hidden = 5;
+  const VerifierNetwork b = TrainVerifier(shifted, options, 1).network;
+  const VerifierNetwork mean = MeanNetwork(a, b);
+  ASSERT_EQ(mean.w1.rows(), 12);
+  for (const VerifyFeatures& features : examples.features) {
+    const float logit_a = a.Logit(features), logit_b = b.Logit(features);
+    EXPECT_NEAR(mean.Logit(features), 0.5f * (logit_a + logit_b), 1e-4);
+  }
+}
+
 }  // namespace
 }  // namespace pickbed::tests

@@ -256,7 +256,7 @@ TEST(TrainObjectVerifier, CrossFittingCorrectsAnOverfittedNetwork) {
 }
 
 // A network that is sure of each pose, where half of the poses are wrong.
-TEST(TrainObjectVerifier, ASharedNetworkIsOnlyCalibrated) {
+TEST(TrainObjectVerifier, ASharedNetworkTakesPartAndIsCalibrated) {
   RayCastViews views({ObjectOf(BracketMesh())});
   VerifierTrainingOptions options;
   options.views_per_scene = 1;
@@ -266,7 +266,7 @@ TEST(TrainObjectVerifier, ASharedNetworkIsOnlyCalibrated) {
   sure.scale = Eigen::VectorXf::Ones(kVerifyFeatures);
   sure.w1 = Eigen::MatrixXf::Zero(1, kVerifyFeatures);
   sure.b1 = sure.w2 = Eigen::VectorXf::Zero(1);
-  sure.b2 = 4;
+  sure.b2 = 12;
   options.shared_network = sure;
   const LabelledView view = views.ClutterScene({1, 1, ObjectId{0}}).front();
   VerifierTrainingSet set;
@@ -274,20 +274,26 @@ TEST(TrainObjectVerifier, ASharedNetworkIsOnlyCalibrated) {
   set.rooms.assign(24, view);
   const Uninformed source(views.objects(), view.instances);
   const std::vector<const CandidateSource*> sources{&source};
-  const auto lowest_score = [&] {
-    const Verifier verifier = TrainObjectVerifier(set, ObjectId{0}, sources, options, [](double) {
-                                return true;
-                              }).verifier;
-    EXPECT_EQ(verifier.unknown.Logit({}), 4);
+  const auto train = [&] {
+    const auto go_on = [](double) { return true; };
+    return TrainObjectVerifier(set, ObjectId{0}, sources, options, go_on).verifier;
+  };
+  const auto lowest_score = [](const Verifier& verifier) {
     // All rooms have the same background; the other calibration is the identity.
     return std::min(verifier.Score({}, CandidateMode::kAccurate, BackgroundKind::kFitted),
                     verifier.Score({}, CandidateMode::kAccurate, BackgroundKind::kNone));
   };
-  const double uncalibrated = 1 / (1 + std::exp(-sure.b2));
-  const double half_right = lowest_score();
-  EXPECT_LT(half_right, uncalibrated - 0.1);
+  const Verifier half_right = train();
+  options.shared_network.reset();
+  const float own_logit = train().unknown.Logit({});
+  options.shared_network = sure;
+  const float logit = half_right.unknown.Logit({});
+  EXPECT_NEAR(logit, 0.5f * (own_logit + sure.b2), 1e-4);
+  EXPECT_LT(lowest_score(half_right), 1 / (1 + std::exp(-logit)) - 0.1);
   for (LabelledView& room : set.rooms) room.instances.clear();
-  EXPECT_LT(lowest_score(), half_right - 0.1) << "no pose is right";
+  const Verifier none_right = train();
+  EXPECT_EQ(none_right.unknown.Logit({}), sure.b2) << "the object cannot teach a network";
+  EXPECT_LT(lowest_score(none_right), lowest_score(half_right) - 0.1);
 }
 
 // A training that ran out of time has four rooms.
@@ -308,36 +314,6 @@ TEST(TrainObjectVerifier, FourRoomsGiveACalibration) {
     return verifier.calibrations[static_cast<size_t>(kind)][0].scale;
   };
   EXPECT_TRUE(scale(BackgroundKind::kFitted) != 1 || scale(BackgroundKind::kNone) != 1);
-}
-
-// An overconfident verifier: Newton's whole steps would diverge to scales of thousands.
-TEST(Calibrate, EqualLogitsGetTheirShareOfRightPoses) {
-  std::vector<ScoredPose> poses;
-  for (int i = 0; i < 1030; ++i) poses.push_back({6.0, i < 1000});
-  for (int i = 0; i < 2000; ++i) poses.push_back({-6.0, false});
-  const Calibration calibration = Calibrate(poses);
-  const auto probability = [&](double logit) {
-    return 1 / (1 + std::exp(-calibration.scale * logit - calibration.shift));
-  };
-  EXPECT_NEAR(probability(6), 1000.0 / 1030, 0.003);
-  EXPECT_LT(probability(-6), 0.005);
-  EXPECT_LT(calibration.scale, 3);
-}
-
-// Poses are right with P = 1 / (1 + exp(-(2 logit + 1))), while the score claims 1 / (1 +
-// exp(-logit)).
-TEST(Calibrate, FindsAPlantedRule) {
-  Rng rng(3);
-  std::vector<ScoredPose> poses(4000);
-  for (ScoredPose& pose : poses) {
-    pose.logit = rng.Uniform(-3, 3);
-    pose.right = rng.Uniform() < 1 / (1 + std::exp(-(2 * pose.logit + 1)));
-  }
-  const Calibration found = Calibrate(poses), untouched = Calibrate({});
-  EXPECT_NEAR(found.scale, 2, 0.2);
-  EXPECT_NEAR(found.shift, 1, 0.2);
-  EXPECT_EQ(untouched.scale, 1);
-  EXPECT_EQ(untouched.shift, 0);
 }
 
 TEST(AreaUnderRoc, CountsOrderedPairs) {
