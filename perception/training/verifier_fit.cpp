@@ -109,9 +109,8 @@ TrainedNetwork TrainVerifier(const VerifierExamples& examples, const VerifierOpt
 }
 
 VerifierNetwork MeanNetwork(const VerifierNetwork& a, const VerifierNetwork& b) {
-  // The units of both on the standardised inputs of `a`:
-  // (f - mean_b) / scale_b = ((f - mean_a) / scale_a) * scale_a / scale_b + (mean_a - mean_b) /
-  // scale_b
+  // The units of `b` get the standardised inputs x of `a`, and f = scale_a x + mean_a, so
+  // (f - mean_b) / scale_b = scale_a / scale_b x + (mean_a - mean_b) / scale_b.
   const Eigen::Index units_a = a.b1.size(), units_b = b.b1.size();
   VerifierNetwork mean{a.mean, a.scale, {}, {}, {}, 0.5f * (a.b2 + b.b2)};
   mean.w1.resize(units_a + units_b, a.w1.cols());

@@ -27,6 +27,9 @@ namespace {
 
 constexpr const char* kLocalisation = "localisation";
 constexpr const char* kDetection = "detection";
+// Behind what a line on standard error says about kept estimates. Messages of errors get the option
+// where they are printed.
+constexpr const char* kHowToResume = "; resume it (--resume)";
 
 std::string DataSetName(const std::string& path) {
   return (std::filesystem::absolute(path) / ".")
@@ -203,12 +206,12 @@ int EstimateBop(const BopArguments& bop, const ScenarioRequest& arguments,
     if (files.finished().empty()) throw;
     throw InputError(fmt::format("{}; {}; resume it", error.what(), kept()));
   } catch (const std::exception&) {
-    if (!files.finished().empty()) fmt::print(stderr, "pickbed: {}\n", kept());
+    if (!files.finished().empty()) fmt::print(stderr, "pickbed: {}{}\n", kept(), kHowToResume);
     throw;
   }
   if (result.done < result.images && Interrupted()) {
     fmt::print(stderr, "pickbed: interrupted; {}{}\n", kept(),
-               files.finished().empty() ? "" : "; resume it (--resume)");
+               files.finished().empty() ? "" : kHowToResume);
     return kExitInterrupted;
   }
   files.Finish();
